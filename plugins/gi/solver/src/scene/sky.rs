@@ -1,0 +1,75 @@
+//! What a ray sees that leaves the scene.
+
+use std::{f32::consts::PI, sync::Arc};
+
+use glam::{Quat, Vec3};
+
+/// The environment around the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sky {
+    /// The same radiance from everywhere; black is no sky.
+    Constant(Vec3),
+    /// An equirectangular image, turned by a rotation from the image's frame to the world.
+    Image {
+        /// The picture.
+        image: Arc<SkyImage>,
+        /// From the image's frame to the world.
+        rotation: Quat,
+        /// Multiplies the image's values into the scene's radiance unit.
+        scale: f32,
+    },
+}
+
+impl Default for Sky {
+    fn default() -> Self {
+        Self::Constant(Vec3::ZERO)
+    }
+}
+
+/// An equirectangular image of radiance: `u = 0.5 + atan2(x, -z) / 2π`, `v = acos(y) / π`; the
+/// centre is -z, right is +x, row 0 is up.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SkyImage {
+    /// Texels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// `width * height` linear RGB values, finite and not negative.
+    pub texels: Vec<Vec3>,
+}
+
+impl Sky {
+    /// Whether nothing comes from it.
+    #[must_use]
+    pub fn is_black(&self) -> bool {
+        match self {
+            Self::Constant(radiance) => *radiance == Vec3::ZERO,
+            Self::Image { image, scale, .. } => image.texels.is_empty() || *scale == 0.0,
+        }
+    }
+
+    /// Radiance that arrives from the unit direction `direction` (pointing away from the receiver).
+    #[must_use]
+    pub fn radiance(&self, direction: Vec3) -> Vec3 {
+        match self {
+            Self::Constant(radiance) => *radiance,
+            Self::Image { image, rotation, scale } => {
+                image.sample(rotation.inverse() * direction) * *scale
+            }
+        }
+    }
+}
+
+impl SkyImage {
+    /// Nearest texel in a direction of the image's own frame.
+    fn sample(&self, d: Vec3) -> Vec3 {
+        if self.texels.is_empty() {
+            return Vec3::ZERO;
+        }
+        let u = 0.5 + d.x.atan2(-d.z) / (2.0 * PI);
+        let v = d.y.clamp(-1.0, 1.0).acos() / PI;
+        let x = ((u * self.width as f32) as u32).min(self.width - 1);
+        let y = ((v * self.height as f32) as u32).min(self.height - 1);
+        self.texels[(y * self.width + x) as usize]
+    }
+}
