@@ -1,0 +1,19 @@
+//! What the integration tests share: apps without a window, pictures compared by FLIP.
+#![allow(dead_code, unreachable_pub, reason = "every test uses its own part")]
+
+pub mod cornell;
+pub mod flip;
+#[path = "../../examples/common/headless.rs"]
+pub mod headless;
+
+use std::path::{Path, PathBuf};
+
+/// The repository's `assets` folder.
+pub fn assets() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
+}
+
+/// Where tests may leave pictures and reports for a person to look at.
+pub fn scratch(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
+}
