@@ -1,0 +1,47 @@
+//! `cargo xtask bench`: figures beside those of what a user would otherwise pick.
+
+use crate::args::Args;
+use crate::setup::{self, Purpose};
+use crate::{Failure, environment, process, soak};
+
+pub(crate) const HELP: &str = "\
+cargo xtask bench [tracing] [--no-install] [-- OPTIONS]
+cargo xtask bench soak [--minutes N] [--no-install]
+
+  tracing        rays per second on one core, ours beside Embree's where it is installed (Debian's
+                 libembree-dev), coherent and incoherent, closest and any hits; needs the folder
+                 that FARLIGHT_TEST_DATA names
+  soak           runs the demo headless for ten minutes and watches the memory of its process; fails
+                 if it grows after the first fifth of the time
+
+  --minutes N    how long to soak
+  --no-install   only name missing system packages
+  -- ...         is given to the benchmark or the demo
+";
+
+pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
+    let install = !args.flag("--no-install");
+    match args.command().as_deref() {
+        None | Some("tracing") => {
+            let rest = args.finish()?;
+            setup::prepare(&[Purpose::Build, Purpose::Bench], install);
+            println!("{}", environment::test_data_line());
+            let mut cargo = process::cargo();
+            cargo.args(["bench", "-p", "farlight_gi_solver", "--bench", "tracing"]);
+            if !rest.is_empty() {
+                cargo.arg("--").args(rest);
+            }
+            process::run(&mut cargo)
+        }
+        Some("soak") => {
+            let minutes = args.parsed::<f64>("--minutes", "a number of minutes")?.unwrap_or(10.0);
+            if !(minutes > 0.0 && minutes <= 24.0 * 60.0) {
+                return Err("--minutes must be above 0 and at most a day.".to_owned());
+            }
+            let rest = args.finish()?;
+            setup::prepare(&[Purpose::Build, Purpose::Render], install);
+            soak::run(minutes * 60.0, &rest)
+        }
+        Some(other) => Err(format!("there is no benchmark '{other}': tracing, soak.")),
+    }
+}
