@@ -10,8 +10,11 @@
 //! | [`import`] | glTF files into scenes, with limits and clear errors |
 //! | [`tracer`] | batches of closest-hit and any-hit rays over an 8-wide BVH |
 //! | [`world`] | a scene flattened for tracing: surfaces at hits |
+//! | [`sampling`], [`sh`] | random and low-discrepancy numbers; spherical harmonics |
+//! | [`visibility`] | rays against cut-out materials, robust origins, what lights are seen |
 //! | [`path`] | the path tracer: the ground truth |
-//! | [`receiver`], [`probe`] | irradiance at points, SH radiance at probes, with standard errors |
+//! | [`estimate`] | means of many paths with honest standard errors |
+//! | [`receiver`], [`probe`] | irradiance at points, SH radiance at probes |
 //! | [`unwrap`] | second UV sets, checked or made |
 //! | [`atlas`] | lightmap pages with free rectangles |
 //! | [`lightmap`] | the lightmap solver: milliseconds first, converged later |
@@ -23,6 +26,7 @@
 //! come out in the matching unit.
 
 pub mod atlas;
+pub mod estimate;
 pub mod import;
 pub mod lightmap;
 pub mod path;
@@ -34,6 +38,7 @@ pub mod session;
 pub mod sh;
 pub mod tracer;
 pub mod unwrap;
+pub mod visibility;
 pub mod world;
 
 pub use scene::{Scene, SceneChange};

@@ -1,1 +1,93 @@
-//! To be written.
+//! Irradiance at arbitrary points.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::{
+    World,
+    estimate::{Estimate, GatherSettings, Progress, estimate},
+    path::{direct_irradiance, trace_path},
+    sampling::{Frame, cosine_hemisphere},
+};
+
+/// Distance in metres by which rays start off a receiver.
+const OFFSET: f32 = 1e-4;
+
+/// A point on a surface, and the side from which it is lit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Receiver {
+    /// World position in metres.
+    pub position: Vec3,
+    /// Unit normal.
+    pub normal: Vec3,
+}
+
+/// Irradiance at a receiver.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ReceiverLight {
+    /// Straight from punctual lights (exact) and from the sky (estimated).
+    pub direct: Estimate,
+    /// Everything else: emitted by surfaces, or reflected any number of times.
+    pub indirect: Estimate,
+    /// The part of `indirect` that was reflected once at most.
+    pub one_bounce: Estimate,
+}
+
+impl Receiver {
+    /// Where its rays start: 0.1 mm off the surface, more where coordinates are so large that this
+    /// would drown in rounding.
+    #[must_use]
+    pub fn origin(&self) -> Vec3 {
+        let rounding = self.position.abs().max_element() * (1.0 / 131_072.0);
+        self.position + self.normal * OFFSET.max(rounding)
+    }
+
+    /// Irradiance straight from the punctual lights, exact.
+    #[must_use]
+    pub fn direct(&self, world: &World) -> Vec3 {
+        direct_irradiance(world, self.position, self.normal, self.origin())
+    }
+
+    /// All parts of the irradiance. `stream` names the receiver's random numbers: equal streams
+    /// and seeds give equal results. `None` if `progress` stopped the work.
+    #[must_use]
+    pub fn gather(
+        &self,
+        world: &World,
+        settings: &GatherSettings,
+        stream: u64,
+        progress: Progress<'_>,
+    ) -> Option<ReceiverLight> {
+        let (origin, frame) = (self.origin(), Frame::new(self.normal));
+        // Directions have density cos θ / π, so E = π times the mean radiance.
+        let [mut direct, indirect, one_bounce] =
+            estimate(settings, stream, progress, |sampler, sums| {
+                let direction = frame.to_world(cosine_hemisphere(sampler.next_2d()));
+                let arriving = trace_path(world, origin, direction, sampler);
+                sums[0] += (arriving.sky * PI).as_dvec3();
+                sums[1] += (arriving.indirect * PI).as_dvec3();
+                sums[2] += (arriving.one_bounce * PI).as_dvec3();
+            })?;
+        direct.mean += self.direct(world);
+        Some(ReceiverLight { direct, indirect, one_bounce })
+    }
+}
+
+/// Irradiance at many receivers, on all threads of the current rayon pool. The result depends on
+/// the seed and on each receiver's place in the list, not on the number of threads. `None` if
+/// `progress` stopped the work.
+#[must_use]
+pub fn gather_receivers(
+    world: &World,
+    receivers: &[Receiver],
+    settings: &GatherSettings,
+    progress: Progress<'_>,
+) -> Option<Vec<ReceiverLight>> {
+    receivers
+        .par_iter()
+        .enumerate()
+        .map(|(i, receiver)| receiver.gather(world, settings, i as u64, progress))
+        .collect()
+}

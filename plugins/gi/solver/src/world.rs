@@ -22,6 +22,7 @@ pub struct World {
     pub sky: Sky,
     instances: Vec<WorldInstance>,
     triangles: Vec<WorldTriangle>,
+    has_masks: bool,
 }
 
 /// An instance with everything it refers to.
@@ -108,7 +109,11 @@ impl World {
             });
         }
         let corners: Vec<_> = triangles.iter().map(|t: &WorldTriangle| t.corners).collect();
+        let has_masks = instances
+            .iter()
+            .any(|i: &WorldInstance| matches!(i.material.alpha_mode, AlphaMode::Mask(_)));
         Self {
+            has_masks,
             tracer: Tracer::new(&corners),
             lights: scene.lights.values().copied().collect(),
             sky: scene.sky.clone(),
@@ -127,6 +132,25 @@ impl World {
     #[must_use]
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
+    }
+
+    /// Whether some materials are cut out, so that a hit may not be there
+    /// ([`World::closest`] knows).
+    #[must_use]
+    pub fn has_masks(&self) -> bool {
+        self.has_masks
+    }
+
+    /// Whether a hit lies on a transparent texel of a cut-out material.
+    #[must_use]
+    pub fn is_cut_out(&self, hit: &Hit) -> bool {
+        let instance = &self.instances[self.triangles[hit.triangle as usize].instance as usize];
+        match instance.material.alpha_mode {
+            AlphaMode::Mask(cutoff) => {
+                self.surface_at(hit.triangle, Vec2::new(hit.u, hit.v), false).alpha < cutoff
+            }
+            _ => false,
+        }
     }
 
     /// World-space corners of a triangle.
