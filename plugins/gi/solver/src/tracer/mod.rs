@@ -1,12 +1,21 @@
 //! Batches of closest-hit and any-hit rays over a BVH.
 
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+mod build;
+mod collapse;
+mod node;
+mod portable;
+mod ray;
+#[cfg(test)]
+mod tests;
+mod traverse;
+mod triangle;
+
 use glam::Vec3;
-use obvhs::{
-    BvhBuildParams,
-    cwbvh::{CwBvh, builder::build_cwbvh_from_tris},
-    triangle::Triangle,
-};
 use rayon::prelude::*;
+
+use node::Tree;
 
 /// A ray segment. The direction need not be of unit length; `t` counts in its lengths.
 #[derive(Clone, Copy, Debug)]
@@ -59,54 +68,64 @@ impl Hit {
 
 /// Answers ray queries against a fixed set of triangles.
 pub struct Tracer {
-    triangles: Vec<Triangle>,
-    bvh: Option<CwBvh>,
+    tree: Tree,
+    instructions: Instructions,
+}
+
+/// What the processor offers, found out once.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Instructions {
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    Portable,
+}
+
+impl Instructions {
+    fn best() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if avx2::available() {
+            return Self::Avx2;
+        }
+        Self::Portable
+    }
 }
 
 impl Tracer {
-    /// Builds the acceleration structure. Triangles that are not finite are never hit.
+    /// Builds the acceleration structure. Triangles that are not finite, have no area, or lie
+    /// beyond 1e12 are never hit.
     #[must_use]
     pub fn new(triangles: &[[Vec3; 3]]) -> Self {
-        let convert = |p: Vec3| obvhs_vec(p);
-        let triangles: Vec<Triangle> = triangles
-            .iter()
-            .map(|[a, b, c]| Triangle { v0: convert(*a), v1: convert(*b), v2: convert(*c) })
-            .collect();
-        let bvh = (!triangles.is_empty()).then(|| {
-            build_cwbvh_from_tris(
-                &triangles,
-                BvhBuildParams::medium_build(),
-                &mut Default::default(),
-            )
-        });
-        Self { triangles, bvh }
+        Self { tree: build::build(triangles), instructions: Instructions::best() }
+    }
+
+    /// Bytes of the acceleration structure.
+    #[must_use]
+    pub fn memory(&self) -> usize {
+        self.tree.memory()
     }
 
     /// The closest hit of one ray.
     #[must_use]
+    #[inline]
     pub fn closest(&self, ray: &Ray) -> Hit {
-        let Some(bvh) = &self.bvh else { return Hit::NONE };
-        let r = obvhs::ray::Ray::new(
-            obvhs_vec(ray.origin),
-            obvhs_vec(ray.direction),
-            ray.t_min,
-            ray.t_max,
-        );
-        let mut hit = obvhs::ray::RayHit::none();
-        if !bvh.ray_traverse(r, &mut hit, |ray, id| {
-            self.triangles[bvh.primitive_indices[id] as usize].intersect(ray)
-        }) {
-            return Hit::NONE;
+        match self.instructions {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `Instructions::best` has asked the processor.
+            Instructions::Avx2 => unsafe { avx2::closest(&self.tree, ray) },
+            Instructions::Portable => portable::closest(&self.tree, ray),
         }
-        let triangle = bvh.primitive_indices[hit.primitive_id as usize];
-        let bary = self.triangles[triangle as usize].compute_barycentric(&r);
-        Hit { t: hit.t, u: bary.x, v: bary.y, triangle }
     }
 
     /// Whether anything lies on the ray's segment.
     #[must_use]
+    #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        self.closest(ray).is_hit()
+        match self.instructions {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `Instructions::best` has asked the processor.
+            Instructions::Avx2 => unsafe { avx2::occluded(&self.tree, ray) },
+            Instructions::Portable => portable::occluded(&self.tree, ray),
+        }
     }
 
     /// Closest hits of many rays, on all threads.
@@ -125,22 +144,5 @@ impl Tracer {
     pub fn occluded_batch(&self, rays: &[Ray], blocked: &mut [bool]) {
         assert_eq!(rays.len(), blocked.len());
         rays.par_iter().zip(blocked).with_min_len(256).for_each(|(ray, b)| *b = self.occluded(ray));
-    }
-}
-
-fn obvhs_vec(v: Vec3) -> <[f32; 3] as IntoObvhs>::Out {
-    v.to_array().into_obvhs()
-}
-
-/// obvhs names another version of glam; arrays are the bridge.
-trait IntoObvhs {
-    type Out;
-    fn into_obvhs(self) -> Self::Out;
-}
-
-impl IntoObvhs for [f32; 3] {
-    type Out = glam34::Vec3A;
-    fn into_obvhs(self) -> glam34::Vec3A {
-        glam34::Vec3A::from_array(self)
     }
 }

@@ -1,0 +1,274 @@
+//! Rays a second of the tracer, beside Embree where it is installed.
+//!
+//! `cargo bench -p farlight_gi_solver --bench tracing -- [--scene FILE.glb] [--scale S]
+//! [--rounds N] [--json FILE]`. Without `--scene` it takes `scenes/hotel-room.glb` of the folder in
+//! `FARLIGHT_TEST_DATA`, in millimetres. One thread; both tracers answer the same rays in slices of
+//! 8192 that alternate, and each slice counts with its median over the rounds.
+
+mod embree;
+mod rays;
+mod scene;
+
+use std::{path::PathBuf, process::ExitCode, time::Instant};
+
+use farlight_gi_solver::tracer::{Hit, Ray, Tracer};
+use serde::Serialize;
+
+use embree::{Embree, Quality};
+
+/// Rays between two looks at the clock.
+const SLICE: usize = 8192;
+
+#[derive(Serialize)]
+struct Report {
+    scene: String,
+    triangles: usize,
+    build_ms: f64,
+    embree_build_ms: Option<f64>,
+    tests: Vec<Row>,
+}
+
+#[derive(Serialize)]
+struct Row {
+    rays: &'static str,
+    query: &'static str,
+    count: usize,
+    mrays_per_s: f64,
+    embree_mrays_per_s: Option<f64>,
+    ratio: Option<f64>,
+    /// Share of rays that hit.
+    hits: f64,
+    /// Rays whose answers differ: one hits and the other misses, or the distances differ by more
+    /// than 1e-4 of themselves.
+    different: Option<usize>,
+}
+
+struct Options {
+    scene: Option<PathBuf>,
+    scale: f32,
+    rounds: usize,
+    json: Option<PathBuf>,
+    high: bool,
+}
+
+fn options() -> Result<Options, String> {
+    let data = std::env::var_os("FARLIGHT_TEST_DATA").map(PathBuf::from);
+    let mut options = Options {
+        scene: data.map(|d| d.join("scenes/hotel-room.glb")).filter(|p| p.is_file()),
+        scale: 0.001,
+        rounds: 9,
+        json: None,
+        high: false,
+    };
+    let mut args = std::env::args().skip(1);
+    while let Some(arg) = args.next() {
+        let mut value = || args.next().ok_or(format!("{arg} needs a value"));
+        match arg.as_str() {
+            "--bench" => {} // cargo's own
+            "--scene" => options.scene = Some(value()?.into()),
+            "--scale" => options.scale = value()?.parse().map_err(|e| format!("--scale: {e}"))?,
+            "--rounds" => {
+                options.rounds = value()?.parse().map_err(|e| format!("--rounds: {e}"))?;
+            }
+            "--json" => options.json = Some(value()?.into()),
+            "--embree-high" => options.high = true,
+            _ => return Err(format!("unknown argument {arg}")),
+        }
+    }
+    Ok(options)
+}
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("tracing: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), String> {
+    let options = options()?;
+    let (name, triangles) = match &options.scene {
+        Some(path) => (path.display().to_string(), scene::load(path, options.scale)?),
+        None => {
+            println!(
+                "no scene: FARLIGHT_TEST_DATA doesn't hold scenes/hotel-room.glb; a generated room stands in"
+            );
+            ("generated room".into(), scene::generated())
+        }
+    };
+    let start = Instant::now();
+    let tracer = Tracer::new(&triangles);
+    let build_ms = start.elapsed().as_secs_f64() * 1e3;
+    println!("{name}: {} triangles", triangles.len());
+    println!("build {build_ms:.1} ms, {:.1} MB", tracer.memory() as f64 / 1e6);
+    let quality = if options.high { Quality::High } else { Quality::Medium };
+    let embree = match Embree::load() {
+        Ok(library) => {
+            let start = Instant::now();
+            let scene = library.scene(&triangles, quality);
+            let ms = start.elapsed().as_secs_f64() * 1e3;
+            println!("Embree {} ({quality:?} quality), build {ms:.1} ms", scene.version());
+            Some((scene, ms))
+        }
+        Err(reason) => {
+            println!("Embree SKIPPED, so there is nothing to compare with: {reason}");
+            None
+        }
+    };
+    let peer = embree.as_ref().map(|e| &e.0);
+    let sets = rays::Sets::new(&tracer, &triangles);
+    let rounds = options.rounds;
+    let tests = vec![
+        closest("coherent", &sets.camera, &tracer, peer, rounds),
+        closest("incoherent", &sets.bounce, &tracer, peer, rounds),
+        occluded("incoherent", &sets.bounce, &tracer, peer, rounds),
+        occluded("shadow segments", &sets.shadow, &tracer, peer, rounds),
+    ];
+    println!(
+        "\n{:<16} {:<8} {:>8} {:>7} {:>10} {:>10} {:>7} {:>10}",
+        "rays", "query", "count", "hits", "Mrays/s", "Embree", "ratio", "different"
+    );
+    let number = |x: Option<f64>| x.map_or("-".into(), |x| format!("{x:.2}"));
+    for row in &tests {
+        println!(
+            "{:<16} {:<8} {:>8} {:>6.1}% {:>10.2} {:>10} {:>7} {:>10}",
+            row.rays,
+            row.query,
+            row.count,
+            row.hits * 100.0,
+            row.mrays_per_s,
+            number(row.embree_mrays_per_s),
+            number(row.ratio),
+            row.different.map_or("-".into(), |n| n.to_string()),
+        );
+    }
+    let report = Report {
+        scene: name,
+        triangles: triangles.len(),
+        build_ms,
+        embree_build_ms: embree.as_ref().map(|e| e.1),
+        tests,
+    };
+    if let Some(path) = options.json {
+        let text = serde_json::to_string_pretty(&report).map_err(|e| e.to_string())?;
+        std::fs::write(&path, text).map_err(|e| format!("{}: {e}", path.display()))?;
+    }
+    Ok(())
+}
+
+/// Times both tracers on the same slices in turn; seconds for all rays, by slice medians.
+fn time(
+    rays: &[Ray],
+    rounds: usize,
+    mut ours: impl FnMut(usize, &[Ray]),
+    mut theirs: Option<impl FnMut(usize, &[Ray])>,
+) -> (f64, Option<f64>) {
+    let slices = rays.len().div_ceil(SLICE);
+    let mut times = vec![[Vec::new(), Vec::new()]; slices];
+    for round in 0..=rounds {
+        for (i, slice) in rays.chunks(SLICE).enumerate() {
+            let start = Instant::now();
+            ours(i * SLICE, slice);
+            let middle = Instant::now();
+            if let Some(theirs) = &mut theirs {
+                theirs(i * SLICE, slice);
+            }
+            // The first round warms the caches.
+            if round > 0 {
+                times[i][0].push((middle - start).as_secs_f64());
+                times[i][1].push(middle.elapsed().as_secs_f64());
+            }
+        }
+    }
+    let mut sum = [0.0; 2];
+    for slice in &mut times {
+        for (sum, times) in sum.iter_mut().zip(slice) {
+            times.sort_by(f64::total_cmp);
+            *sum += times[times.len() / 2];
+        }
+    }
+    (sum[0], theirs.is_some().then_some(sum[1]))
+}
+
+fn closest(
+    name: &'static str,
+    rays: &[Ray],
+    tracer: &Tracer,
+    peer: Option<&embree::Scene<'_>>,
+    rounds: usize,
+) -> Row {
+    let mut ours = vec![Hit::NONE; rays.len()];
+    let mut theirs = vec![f32::INFINITY; rays.len()];
+    let (a, b) = time(
+        rays,
+        rounds,
+        |first, rays| {
+            for (ray, hit) in rays.iter().zip(&mut ours[first..]) {
+                *hit = tracer.closest(ray);
+            }
+        },
+        peer.map(|peer| {
+            let theirs = &mut theirs;
+            move |first: usize, rays: &[Ray]| {
+                for (ray, t) in rays.iter().zip(&mut theirs[first..]) {
+                    *t = peer.closest(ray);
+                }
+            }
+        }),
+    );
+    let differs = |(hit, t): (&Hit, &f32)| {
+        hit.is_hit() != t.is_finite()
+            || (hit.is_hit() && (hit.t - t).abs() > 1e-4 * hit.t.abs().max(1e-2))
+    };
+    Row {
+        rays: name,
+        query: "closest",
+        count: rays.len(),
+        mrays_per_s: rays.len() as f64 / a / 1e6,
+        embree_mrays_per_s: b.map(|b| rays.len() as f64 / b / 1e6),
+        ratio: b.map(|b| b / a),
+        hits: ours.iter().filter(|h| h.is_hit()).count() as f64 / rays.len() as f64,
+        different: peer.map(|_| ours.iter().zip(&theirs).filter(|&pair| differs(pair)).count()),
+    }
+}
+
+fn occluded(
+    name: &'static str,
+    rays: &[Ray],
+    tracer: &Tracer,
+    peer: Option<&embree::Scene<'_>>,
+    rounds: usize,
+) -> Row {
+    let mut ours = vec![false; rays.len()];
+    let mut theirs = vec![false; rays.len()];
+    let (a, b) = time(
+        rays,
+        rounds,
+        |first, rays| {
+            for (ray, blocked) in rays.iter().zip(&mut ours[first..]) {
+                *blocked = tracer.occluded(ray);
+            }
+        },
+        peer.map(|peer| {
+            let theirs = &mut theirs;
+            move |first: usize, rays: &[Ray]| {
+                for (ray, blocked) in rays.iter().zip(&mut theirs[first..]) {
+                    *blocked = peer.occluded(ray);
+                }
+            }
+        }),
+    );
+    Row {
+        rays: name,
+        query: "any",
+        count: rays.len(),
+        mrays_per_s: rays.len() as f64 / a / 1e6,
+        embree_mrays_per_s: b.map(|b| rays.len() as f64 / b / 1e6),
+        ratio: b.map(|b| b / a),
+        hits: ours.iter().filter(|&&h| h).count() as f64 / rays.len() as f64,
+        different: peer.map(|_| ours.iter().zip(&theirs).filter(|(a, b)| a != b).count()),
+    }
+}

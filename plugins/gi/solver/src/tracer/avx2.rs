@@ -1,0 +1,256 @@
+//! The kernel for processors with AVX2 and FMA.
+
+use std::arch::x86_64::*;
+
+use super::{
+    Hit, Ray,
+    node::{Child, LANES, Node, Pack, Tree, WIDTH},
+    ray::Prepared,
+    traverse::{self, Kernel},
+    triangle::{Best, edge_on},
+};
+
+/// Whether this processor can run the kernel.
+pub(super) fn available() -> bool {
+    is_x86_feature_detected!("avx2")
+        && is_x86_feature_detected!("fma")
+        && is_x86_feature_detected!("popcnt")
+        && is_x86_feature_detected!("bmi1")
+        && is_x86_feature_detected!("bmi2")
+        && is_x86_feature_detected!("lzcnt")
+}
+
+/// # Safety
+/// [`available`] must have said yes.
+#[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2,lzcnt")]
+pub(super) unsafe fn closest(tree: &Tree, ray: &Ray) -> Hit {
+    // SAFETY: the caller's promise.
+    unsafe { traverse::closest::<Avx2>(tree, ray) }
+}
+
+/// # Safety
+/// [`available`] must have said yes.
+#[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2,lzcnt")]
+pub(super) unsafe fn occluded(tree: &Tree, ray: &Ray) -> bool {
+    // SAFETY: the caller's promise.
+    unsafe { traverse::occluded::<Avx2>(tree, ray) }
+}
+
+/// For each mask of eight bits the positions of its set bits, in order.
+static COMPACT: [[u8; WIDTH]; 256] = {
+    let mut table = [[0; WIDTH]; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut bit, mut count) = (0, 0);
+        while bit < WIDTH {
+            if mask >> bit & 1 == 1 {
+                table[mask][count] = bit as u8;
+                count += 1;
+            }
+            bit += 1;
+        }
+        mask += 1;
+    }
+    table
+};
+
+/// One ray's constants in all lanes.
+#[derive(Clone, Copy)]
+struct Avx2 {
+    inverse: [__m256; 3],
+    near: [__m256; 3],
+    far: [__m256; 3],
+    t_min: __m256,
+    t_max: __m256,
+    origin: [__m128; 3],
+    shear: [__m128; 2],
+}
+
+impl Avx2 {
+    /// Entry distances, and which of the eight boxes the ray meets.
+    #[inline(always)]
+    unsafe fn slabs(&self, ray: &Prepared, node: &Node, limit: __m256) -> (__m256, __m256) {
+        // SAFETY: the rows are below 6; the features are the trait's promise.
+        unsafe {
+            let plane = |row: usize| _mm256_load_ps(node.bounds.get_unchecked(row).as_ptr());
+            let near =
+                |a: usize| _mm256_fmadd_ps(plane(ray.near_row[a]), self.inverse[a], self.near[a]);
+            let far =
+                |a: usize| _mm256_fmadd_ps(plane(ray.far_row[a]), self.inverse[a], self.far[a]);
+            let enter =
+                _mm256_max_ps(_mm256_max_ps(near(0), near(1)), _mm256_max_ps(near(2), self.t_min));
+            let leave = _mm256_min_ps(_mm256_min_ps(far(0), far(1)), _mm256_min_ps(far(2), limit));
+            (enter, _mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave))
+        }
+    }
+
+    /// Edge functions, twice the signed area, distance, and the lanes that may be hit.
+    #[inline(always)]
+    unsafe fn edges(&self, ray: &Prepared, pack: &Pack, limit: f32) -> Edges {
+        // SAFETY: the axes are below 3; the features are the trait's promise.
+        unsafe {
+            let corner = |c: usize| {
+                let p = |k: usize| {
+                    let row = pack.corner[c].get_unchecked(ray.axis[k]);
+                    _mm_sub_ps(_mm_load_ps(row.as_ptr()), self.origin[k])
+                };
+                let z = p(2);
+                let x = _mm_sub_ps(p(0), _mm_mul_ps(self.shear[0], z));
+                let y = _mm_sub_ps(p(1), _mm_mul_ps(self.shear[1], z));
+                (x, y, z)
+            };
+            let (ax, ay, az) = corner(0);
+            let (bx, by, bz) = corner(1);
+            let (cx, cy, cz) = corner(2);
+            // Not fused: the sign must flip exactly when the edge's corners are swapped.
+            let u = _mm_sub_ps(_mm_mul_ps(cx, by), _mm_mul_ps(cy, bx));
+            let v = _mm_sub_ps(_mm_mul_ps(ax, cy), _mm_mul_ps(ay, cx));
+            let w = _mm_sub_ps(_mm_mul_ps(bx, ay), _mm_mul_ps(by, ax));
+            let zero = _mm_setzero_ps();
+            let least = _mm_min_ps(_mm_min_ps(u, v), w);
+            let most = _mm_max_ps(_mm_max_ps(u, v), w);
+            let inside = _mm_or_ps(_mm_cmpge_ps(least, zero), _mm_cmple_ps(most, zero));
+            if _mm_movemask_ps(inside) == 0 {
+                return Edges { v, w, det: zero, t: zero, hits: 0, edge_on: 0 };
+            }
+            let det = _mm_add_ps(_mm_add_ps(u, v), w);
+            let depth =
+                _mm_add_ps(_mm_add_ps(_mm_mul_ps(u, az), _mm_mul_ps(v, bz)), _mm_mul_ps(w, cz));
+            let t = _mm_mul_ps(_mm_div_ps(depth, det), _mm_set1_ps(ray.sign));
+            let range = _mm_and_ps(
+                _mm_cmpge_ps(t, _mm256_castps256_ps128(self.t_min)),
+                _mm_cmple_ps(t, _mm_set1_ps(limit)),
+            );
+            // Where `det` is zero `t` is NaN, which is out of range.
+            Edges {
+                v,
+                w,
+                det,
+                t,
+                hits: _mm_movemask_ps(_mm_and_ps(inside, range)) as u32,
+                edge_on: _mm_movemask_ps(_mm_and_ps(inside, _mm_cmpeq_ps(det, zero))) as u32,
+            }
+        }
+    }
+}
+
+struct Edges {
+    v: __m128,
+    w: __m128,
+    det: __m128,
+    t: __m128,
+    hits: u32,
+    edge_on: u32,
+}
+
+#[repr(C, align(16))]
+struct Lanes([f32; LANES]);
+
+#[inline(always)]
+unsafe fn lanes(x: __m128) -> Lanes {
+    let mut out = Lanes([0.0; LANES]);
+    // SAFETY: SSE is part of the architecture's base.
+    unsafe { _mm_store_ps(out.0.as_mut_ptr(), x) };
+    out
+}
+
+impl Kernel for Avx2 {
+    #[inline(always)]
+    unsafe fn new(ray: &Prepared) -> Self {
+        // SAFETY: the features are the trait's promise.
+        unsafe {
+            Self {
+                inverse: ray.inverse.map(|x| _mm256_set1_ps(x)),
+                near: ray.near.map(|x| _mm256_set1_ps(x)),
+                far: ray.far.map(|x| _mm256_set1_ps(x)),
+                t_min: _mm256_set1_ps(ray.t_min),
+                t_max: _mm256_set1_ps(ray.t_max),
+                origin: ray.axis.map(|a| _mm_set1_ps(ray.origin[a])),
+                shear: ray.shear.map(|x| _mm_set1_ps(x)),
+            }
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn children(
+        &self,
+        ray: &Prepared,
+        node: &Node,
+        limit: f32,
+        child: *mut Child,
+        distance: *mut f32,
+    ) -> usize {
+        // SAFETY: there is room for eight; the features are the trait's promise.
+        unsafe {
+            let (enter, met) = self.slabs(ray, node, _mm256_set1_ps(limit));
+            let order = _mm256_load_si256(node.order.as_ptr().cast());
+            let order = _mm256_srl_epi32(order, _mm_cvtsi32_si128(ray.order_shift as i32));
+            let mask = _mm256_movemask_ps(_mm256_permutevar8x32_ps(met, order)) as usize;
+            let compact = _mm_loadl_epi64(COMPACT.get_unchecked(mask).as_ptr().cast());
+            let compact = _mm256_permutevar8x32_epi32(order, _mm256_cvtepu8_epi32(compact));
+            let children = _mm256_load_si256(node.child.as_ptr().cast());
+            _mm256_storeu_si256(child.cast(), _mm256_permutevar8x32_epi32(children, compact));
+            _mm256_storeu_ps(distance, _mm256_permutevar8x32_ps(enter, compact));
+            mask.count_ones() as usize
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn any_children(&self, ray: &Prepared, node: &Node, child: *mut Child) -> usize {
+        // SAFETY: there is room for eight; the features are the trait's promise.
+        unsafe {
+            let (_, met) = self.slabs(ray, node, self.t_max);
+            let order = _mm256_load_si256(node.order.as_ptr().cast());
+            let order = _mm256_srl_epi32(order, _mm_cvtsi32_si128(ray.order_shift as i32));
+            let mask = _mm256_movemask_ps(_mm256_permutevar8x32_ps(met, order)) as usize;
+            let compact = _mm_loadl_epi64(COMPACT.get_unchecked(mask).as_ptr().cast());
+            let compact = _mm256_permutevar8x32_epi32(order, _mm256_cvtepu8_epi32(compact));
+            let children = _mm256_load_si256(node.child.as_ptr().cast());
+            _mm256_storeu_si256(child.cast(), _mm256_permutevar8x32_epi32(children, compact));
+            mask.count_ones() as usize
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn closest(&self, ray: &Prepared, pack: &Pack, best: &mut Best) {
+        // SAFETY: the features are the trait's promise.
+        unsafe {
+            let e = self.edges(ray, pack, best.t);
+            let mut hits = e.hits;
+            if hits != 0 {
+                let (t, v, w, det) = (lanes(e.t), lanes(e.v), lanes(e.w), lanes(e.det));
+                while hits != 0 {
+                    let lane = hits.trailing_zeros() as usize & (LANES - 1);
+                    if t.0[lane] <= best.t {
+                        *best = Best {
+                            t: t.0[lane],
+                            v: v.0[lane],
+                            w: w.0[lane],
+                            det: det.0[lane],
+                            triangle: pack.triangle[lane],
+                        };
+                    }
+                    hits &= hits - 1;
+                }
+            }
+            if e.edge_on != 0 {
+                for lane in (0..LANES).filter(|lane| e.edge_on >> lane & 1 == 1) {
+                    if let Some(hit) = edge_on(ray, pack, lane, best.t) {
+                        *best = hit;
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn any(&self, ray: &Prepared, pack: &Pack) -> bool {
+        // SAFETY: the features are the trait's promise.
+        let e = unsafe { self.edges(ray, pack, ray.t_max) };
+        e.hits != 0
+            || (e.edge_on != 0
+                && (0..LANES)
+                    .filter(|lane| e.edge_on >> lane & 1 == 1)
+                    .any(|lane| edge_on(ray, pack, lane, ray.t_max).is_some()))
+    }
+}

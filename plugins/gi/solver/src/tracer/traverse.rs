@@ -1,0 +1,110 @@
+//! The way of a ray through the tree, over a [`Kernel`] that knows the processor's instructions.
+
+use std::mem::MaybeUninit;
+
+use super::{
+    Hit, Ray,
+    node::{Child, Node, Pack, STACK, Tree},
+    ray::Prepared,
+    triangle::Best,
+};
+
+/// Tests of one ray against eight boxes or four triangles.
+///
+/// # Safety
+/// The implementation's instructions must exist on this processor.
+pub(super) trait Kernel: Copy {
+    unsafe fn new(ray: &Prepared) -> Self;
+
+    /// Writes the children that the ray meets before `limit`, the nearest last, and returns how
+    /// many; there must be room for `WIDTH`.
+    unsafe fn children(
+        &self,
+        ray: &Prepared,
+        node: &Node,
+        limit: f32,
+        child: *mut Child,
+        distance: *mut f32,
+    ) -> usize;
+
+    /// The same in any order and without distances.
+    unsafe fn any_children(&self, ray: &Prepared, node: &Node, child: *mut Child) -> usize;
+
+    /// Takes the pack's closest hit if it is closer.
+    unsafe fn closest(&self, ray: &Prepared, pack: &Pack, best: &mut Best);
+
+    /// Whether one of the pack's triangles is hit.
+    unsafe fn any(&self, ray: &Prepared, pack: &Pack) -> bool;
+}
+
+/// # Safety
+/// As [`Kernel`].
+#[inline(always)]
+pub(super) unsafe fn closest<K: Kernel>(tree: &Tree, ray: &Ray) -> Hit {
+    let Some(ray) = Prepared::new(ray) else { return Hit::NONE };
+    if tree.nodes.is_empty() {
+        return Hit::NONE;
+    }
+    let mut best = Best::new(ray.t_max);
+    let mut child = [MaybeUninit::<Child>::uninit(); STACK];
+    let mut distance = [MaybeUninit::<f32>::uninit(); STACK];
+    let child = child.as_mut_ptr().cast::<Child>();
+    let distance = distance.as_mut_ptr().cast::<f32>();
+    // SAFETY: the stack has room for a tree of MAX_DEPTH, which the builder keeps to, entries below
+    // `top` have been written, and the tree's indices lie in its arrays.
+    unsafe {
+        let kernel = K::new(&ray);
+        child.write(Child::node(0));
+        distance.write(f32::NEG_INFINITY);
+        let mut top = 1;
+        while top > 0 {
+            top -= 1;
+            if distance.add(top).read() > best.t {
+                continue;
+            }
+            let next = child.add(top).read();
+            if next.is_leaf() {
+                for pack in next.packs() {
+                    kernel.closest(&ray, tree.packs.get_unchecked(pack), &mut best);
+                }
+            } else {
+                let node = tree.nodes.get_unchecked(next.index());
+                top += kernel.children(&ray, node, best.t, child.add(top), distance.add(top));
+            }
+        }
+    }
+    best.hit(&ray)
+}
+
+/// # Safety
+/// As [`Kernel`].
+#[inline(always)]
+pub(super) unsafe fn occluded<K: Kernel>(tree: &Tree, ray: &Ray) -> bool {
+    let Some(ray) = Prepared::new(ray) else { return false };
+    if tree.nodes.is_empty() {
+        return false;
+    }
+    let mut child = [MaybeUninit::<Child>::uninit(); STACK];
+    let child = child.as_mut_ptr().cast::<Child>();
+    // SAFETY: as in `closest`.
+    unsafe {
+        let kernel = K::new(&ray);
+        child.write(Child::node(0));
+        let mut top = 1;
+        while top > 0 {
+            top -= 1;
+            let next = child.add(top).read();
+            if next.is_leaf() {
+                for pack in next.packs() {
+                    if kernel.any(&ray, tree.packs.get_unchecked(pack)) {
+                        return true;
+                    }
+                }
+            } else {
+                let node = tree.nodes.get_unchecked(next.index());
+                top += kernel.any_children(&ray, node, child.add(top));
+            }
+        }
+    }
+    false
+}
