@@ -186,6 +186,26 @@ impl Headless {
     }
 }
 
+impl Headless {
+    /// A picture of a scene that stands still: captures until two pictures in a row are equal and
+    /// show something, since the first frames lack what is still loading.
+    ///
+    /// # Errors
+    /// As [`capture`](Self::capture), or if the picture does not come to rest within 30 tries.
+    pub fn capture_still(&mut self) -> Result<Picture, String> {
+        let mut last = self.capture()?;
+        for _ in 0..30 {
+            let next = self.capture()?;
+            if next == last && next.problem().is_none() {
+                return Ok(next);
+            }
+            last = next;
+        }
+        let problem = last.problem().unwrap_or("not at rest");
+        Err(format!("the picture is {problem} on {}", self.adapter()))
+    }
+}
+
 /// Makes cameras that would draw into a window draw into the image.
 fn redirect_cameras(target: Res<HeadlessTarget>, mut cameras: Query<&mut RenderTarget>) {
     for mut camera in &mut cameras {
