@@ -143,6 +143,9 @@ struct Edges {
     edge_on: u32,
 }
 
+#[repr(C, align(32))]
+struct Sorted([Child; WIDTH]);
+
 #[repr(C, align(16))]
 struct Lanes([f32; LANES]);
 
@@ -179,35 +182,49 @@ impl Kernel for Avx2 {
         limit: f32,
         child: *mut Child,
         distance: *mut f32,
-    ) -> usize {
+    ) -> (usize, Child) {
         // SAFETY: there is room for eight; the features are the trait's promise.
         unsafe {
             let (enter, met) = self.slabs(ray, node, _mm256_set1_ps(limit));
             let order = _mm256_load_si256(node.order.as_ptr().cast());
             let order = _mm256_srl_epi32(order, _mm_cvtsi32_si128(ray.order_shift as i32));
-            let mask = _mm256_movemask_ps(_mm256_permutevar8x32_ps(met, order)) as usize;
-            let compact = _mm_loadl_epi64(COMPACT.get_unchecked(mask).as_ptr().cast());
-            let compact = _mm256_permutevar8x32_epi32(order, _mm256_cvtepu8_epi32(compact));
             let children = _mm256_load_si256(node.child.as_ptr().cast());
+            let children = _mm256_permutevar8x32_epi32(children, order);
+            let mut sorted = Sorted([Child(0); WIDTH]);
+            _mm256_store_si256(sorted.0.as_mut_ptr().cast(), children);
+            let mask = _mm256_movemask_ps(_mm256_permutevar8x32_ps(met, order)) as u32;
+            let nearest = *sorted.0.get_unchecked(31 - (mask | 1).leading_zeros() as usize);
+            let compact = _mm_loadl_epi64(COMPACT.get_unchecked(mask as usize).as_ptr().cast());
+            let compact = _mm256_cvtepu8_epi32(compact);
             _mm256_storeu_si256(child.cast(), _mm256_permutevar8x32_epi32(children, compact));
+            let enter = _mm256_permutevar8x32_ps(enter, order);
             _mm256_storeu_ps(distance, _mm256_permutevar8x32_ps(enter, compact));
-            mask.count_ones() as usize
+            (mask.count_ones() as usize, nearest)
         }
     }
 
     #[inline(always)]
-    unsafe fn any_children(&self, ray: &Prepared, node: &Node, child: *mut Child) -> usize {
+    unsafe fn any_children(
+        &self,
+        ray: &Prepared,
+        node: &Node,
+        child: *mut Child,
+    ) -> (usize, Child) {
         // SAFETY: there is room for eight; the features are the trait's promise.
         unsafe {
             let (_, met) = self.slabs(ray, node, self.t_max);
             let order = _mm256_load_si256(node.order.as_ptr().cast());
             let order = _mm256_srl_epi32(order, _mm_cvtsi32_si128(ray.order_shift as i32));
-            let mask = _mm256_movemask_ps(_mm256_permutevar8x32_ps(met, order)) as usize;
-            let compact = _mm_loadl_epi64(COMPACT.get_unchecked(mask).as_ptr().cast());
-            let compact = _mm256_permutevar8x32_epi32(order, _mm256_cvtepu8_epi32(compact));
             let children = _mm256_load_si256(node.child.as_ptr().cast());
+            let children = _mm256_permutevar8x32_epi32(children, order);
+            let mut sorted = Sorted([Child(0); WIDTH]);
+            _mm256_store_si256(sorted.0.as_mut_ptr().cast(), children);
+            let mask = _mm256_movemask_ps(_mm256_permutevar8x32_ps(met, order)) as u32;
+            let nearest = *sorted.0.get_unchecked(31 - (mask | 1).leading_zeros() as usize);
+            let compact = _mm_loadl_epi64(COMPACT.get_unchecked(mask as usize).as_ptr().cast());
+            let compact = _mm256_cvtepu8_epi32(compact);
             _mm256_storeu_si256(child.cast(), _mm256_permutevar8x32_epi32(children, compact));
-            mask.count_ones() as usize
+            (mask.count_ones() as usize, nearest)
         }
     }
 

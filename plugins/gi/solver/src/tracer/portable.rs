@@ -3,7 +3,7 @@
 use super::{
     Hit, Ray,
     node::{Child, LANES, Node, Pack, Tree, WIDTH},
-    ray::Prepared,
+    ray::{Prepared, max, min},
     traverse::{self, Kernel},
     triangle::{Best, edge_on},
 };
@@ -20,17 +20,6 @@ pub(super) fn occluded(tree: &Tree, ray: &Ray) -> bool {
 
 #[derive(Clone, Copy)]
 struct Portable;
-
-/// `f32::max` without its rule for NaN, which costs three more instructions.
-#[inline(always)]
-fn max(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-#[inline(always)]
-fn min(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
 
 /// Entry distances, and a bit for each box that the ray meets.
 #[inline(always)]
@@ -99,9 +88,10 @@ impl Kernel for Portable {
         limit: f32,
         child: *mut Child,
         distance: *mut f32,
-    ) -> usize {
+    ) -> (usize, Child) {
         let (enter, met) = slabs(ray, node, limit);
         let mut count = 0;
+        let mut nearest = Child::node(0);
         for order in node.order {
             let i = (order >> ray.order_shift) as usize & (WIDTH - 1);
             // SAFETY: at most eight are written.
@@ -109,22 +99,32 @@ impl Kernel for Portable {
                 child.add(count).write(node.child[i]);
                 distance.add(count).write(enter[i]);
             }
-            count += (met >> i) as usize & 1;
+            if met >> i & 1 == 1 {
+                nearest = node.child[i];
+                count += 1;
+            }
         }
-        count
+        (count, nearest)
     }
 
     #[inline(always)]
-    unsafe fn any_children(&self, ray: &Prepared, node: &Node, child: *mut Child) -> usize {
+    unsafe fn any_children(
+        &self,
+        ray: &Prepared,
+        node: &Node,
+        child: *mut Child,
+    ) -> (usize, Child) {
         let (_, mut met) = slabs(ray, node, ray.t_max);
         let mut count = 0;
+        let mut last = Child::node(0);
         while met != 0 {
+            last = node.child[met.trailing_zeros() as usize];
             // SAFETY: at most eight are written.
-            unsafe { child.add(count).write(node.child[met.trailing_zeros() as usize]) };
+            unsafe { child.add(count).write(last) };
             count += 1;
             met &= met - 1;
         }
-        count
+        (count, last)
     }
 
     #[inline(always)]

@@ -17,7 +17,7 @@ pub(super) trait Kernel: Copy {
     unsafe fn new(ray: &Prepared) -> Self;
 
     /// Writes the children that the ray meets before `limit`, the nearest last, and returns how
-    /// many; there must be room for `WIDTH`.
+    /// many and, for a shorter way to it, the nearest; there must be room for `WIDTH`.
     unsafe fn children(
         &self,
         ray: &Prepared,
@@ -25,10 +25,11 @@ pub(super) trait Kernel: Copy {
         limit: f32,
         child: *mut Child,
         distance: *mut f32,
-    ) -> usize;
+    ) -> (usize, Child);
 
     /// The same in any order and without distances.
-    unsafe fn any_children(&self, ray: &Prepared, node: &Node, child: *mut Child) -> usize;
+    unsafe fn any_children(&self, ray: &Prepared, node: &Node, child: *mut Child)
+    -> (usize, Child);
 
     /// Takes the pack's closest hit if it is closer.
     unsafe fn closest(&self, ray: &Prepared, pack: &Pack, best: &mut Best);
@@ -54,26 +55,35 @@ pub(super) unsafe fn closest<K: Kernel>(tree: &Tree, ray: &Ray) -> Hit {
     // `top` have been written, and the tree's indices lie in its arrays.
     unsafe {
         let kernel = K::new(&ray);
-        child.write(Child::node(0));
-        distance.write(f32::NEG_INFINITY);
-        let mut top = 1;
-        while top > 0 {
-            top -= 1;
-            if distance.add(top).read() > best.t {
-                continue;
-            }
-            let next = child.add(top).read();
+        let mut next = Child::node(0);
+        let mut top = 0;
+        loop {
             if next.is_leaf() {
                 for pack in next.packs() {
                     kernel.closest(&ray, tree.packs.get_unchecked(pack), &mut best);
                 }
             } else {
                 let node = tree.nodes.get_unchecked(next.index());
-                top += kernel.children(&ray, node, best.t, child.add(top), distance.add(top));
+                let (count, nearest) =
+                    kernel.children(&ray, node, best.t, child.add(top), distance.add(top));
+                if count > 0 {
+                    top += count - 1;
+                    next = nearest;
+                    continue;
+                }
             }
+            loop {
+                if top == 0 {
+                    return best.hit(&ray);
+                }
+                top -= 1;
+                if distance.add(top).read() <= best.t {
+                    break;
+                }
+            }
+            next = child.add(top).read();
         }
     }
-    best.hit(&ray)
 }
 
 /// # Safety
@@ -89,11 +99,9 @@ pub(super) unsafe fn occluded<K: Kernel>(tree: &Tree, ray: &Ray) -> bool {
     // SAFETY: as in `closest`.
     unsafe {
         let kernel = K::new(&ray);
-        child.write(Child::node(0));
-        let mut top = 1;
-        while top > 0 {
-            top -= 1;
-            let next = child.add(top).read();
+        let mut next = Child::node(0);
+        let mut top = 0;
+        loop {
             if next.is_leaf() {
                 for pack in next.packs() {
                     if kernel.any(&ray, tree.packs.get_unchecked(pack)) {
@@ -102,9 +110,18 @@ pub(super) unsafe fn occluded<K: Kernel>(tree: &Tree, ray: &Ray) -> bool {
                 }
             } else {
                 let node = tree.nodes.get_unchecked(next.index());
-                top += kernel.any_children(&ray, node, child.add(top));
+                let (count, first) = kernel.any_children(&ray, node, child.add(top));
+                if count > 0 {
+                    top += count - 1;
+                    next = first;
+                    continue;
+                }
             }
+            if top == 0 {
+                return false;
+            }
+            top -= 1;
+            next = child.add(top).read();
         }
     }
-    false
 }
