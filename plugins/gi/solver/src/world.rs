@@ -159,6 +159,36 @@ impl World {
         self.triangles[triangle as usize].corners
     }
 
+    /// Index into [`World::instances`] of a triangle's instance.
+    #[must_use]
+    pub fn instance_of(&self, triangle: u32) -> u32 {
+        self.triangles[triangle as usize].instance
+    }
+
+    /// Unit normal of a triangle's front side; zero for a triangle without area.
+    #[must_use]
+    pub fn normal(&self, triangle: u32) -> Vec3 {
+        self.triangles[triangle as usize].normal
+    }
+
+    /// Whether a ray with this direction meets a triangle's back.
+    #[must_use]
+    pub fn is_back(&self, triangle: u32, direction: Vec3) -> bool {
+        self.normal(triangle).dot(direction) > 0.0
+    }
+
+    /// The second UV at barycentric coordinates of a triangle; zero where there is none.
+    #[must_use]
+    pub fn uv1(&self, triangle: u32, bary: Vec2) -> Vec2 {
+        let instance = &self.instances[self.instance_of(triangle) as usize];
+        if instance.mesh.uv1.is_empty() {
+            return Vec2::ZERO;
+        }
+        let [a, b, c] = instance.mesh.triangles[(triangle - instance.first_triangle) as usize]
+            .map(|i| instance.mesh.uv1[i as usize]);
+        a * (1.0 - bary.x - bary.y) + b * bary.x + c * bary.y
+    }
+
     /// The surface that a ray with direction `direction` met, on the side from which it came.
     #[must_use]
     pub fn surface(&self, hit: &Hit, direction: Vec3) -> Surface {
