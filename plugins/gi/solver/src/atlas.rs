@@ -178,9 +178,10 @@ impl Page {
         });
         for (i, part) in parts.iter().enumerate() {
             let covered = self.free.iter().any(|free| free.contains(part))
-                || parts.iter().enumerate().any(|(j, other)| {
-                    j != i && other.contains(part) && (other != part || j < i)
-                });
+                || parts
+                    .iter()
+                    .enumerate()
+                    .any(|(j, other)| j != i && other.contains(part) && (other != part || j < i));
             if !covered {
                 self.free.push(*part);
             }

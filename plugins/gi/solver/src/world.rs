@@ -122,6 +122,27 @@ impl World {
         }
     }
 
+    /// Takes materials and textures of the scene over, for the instances as they are. Returns `false`,
+    /// having changed nothing, where that is not enough because an instance would come or go.
+    pub fn refresh_materials(&mut self, scene: &Scene) -> bool {
+        let mut materials = Vec::with_capacity(self.instances.len());
+        for old in &self.instances {
+            let Some(instance) = scene.instances.get(&old.id) else { return false };
+            let material = scene.materials.get(&instance.material).cloned().unwrap_or_default();
+            if material.alpha_mode != old.material.alpha_mode {
+                return false;
+            }
+            materials.push(material);
+        }
+        let texture = |id| scene.textures.get(&id).cloned();
+        for (instance, material) in self.instances.iter_mut().zip(materials) {
+            instance.base_color_texture = material.base_color_texture.and_then(texture);
+            instance.emissive_texture = material.emissive_texture.and_then(texture);
+            instance.material = material;
+        }
+        true
+    }
+
     /// All instances that are in the world.
     #[must_use]
     pub fn instances(&self) -> &[WorldInstance] {

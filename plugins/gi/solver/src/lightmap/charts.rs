@@ -24,8 +24,7 @@ pub(crate) fn charts(mesh: &Mesh) -> Vec<u32> {
     let mut edges = HashMap::with_capacity(mesh.triangles.len() * 2);
     for (triangle, corners) in mesh.triangles.iter().enumerate() {
         for i in 0..3 {
-            let (a, b) =
-                (weld[corners[i] as usize], weld[corners[(i + 1) % 3] as usize]);
+            let (a, b) = (weld[corners[i] as usize], weld[corners[(i + 1) % 3] as usize]);
             let other = *edges.entry((a.min(b), a.max(b))).or_insert(triangle as u32);
             let (a, b) = (root(&mut parent, triangle as u32), root(&mut parent, other));
             parent[a.max(b) as usize] = a.min(b);

@@ -70,7 +70,8 @@ impl Patches {
             let first = patches.position.len() as u32;
             let offset = world.instances()[instance as usize].first_triangle;
             for (point, samples) in texels.points.iter().zip(&texels.samples) {
-                let to_world = |p: SurfacePoint| SurfacePoint { triangle: p.triangle + offset, ..p };
+                let to_world =
+                    |p: SurfacePoint| SurfacePoint { triangle: p.triangle + offset, ..p };
                 let samples = samples.map(to_world);
                 patches.push(world, to_world(*point), samples, false);
             }

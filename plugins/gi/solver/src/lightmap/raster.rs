@@ -65,9 +65,8 @@ impl MeshTexels {
     pub(crate) fn new(mesh: &Mesh, width: u32, height: u32) -> Self {
         let triangle_chart = charts(mesh);
         let size = Vec2::new(width as f32, height as f32);
-        let corners = |triangle: u32| {
-            mesh.triangles[triangle as usize].map(|i| mesh.uv1[i as usize] * size)
-        };
+        let corners =
+            |triangle: u32| mesh.triangles[triangle as usize].map(|i| mesh.uv1[i as usize] * size);
         let mut fragments = Vec::new();
         for (triangle, &chart) in triangle_chart.iter().enumerate() {
             let corners = corners(triangle as u32);
@@ -258,8 +257,7 @@ fn clipped(corners: &[Vec2; 3], cell: Vec2) -> Option<(f32, Vec2)> {
 
 /// Weights of the second and third corner; `None` outside of the triangle.
 fn barycentric(corners: &[Vec2; 3], p: Vec2) -> Option<Vec2> {
-    barycentric_unclamped(corners, p)
-        .filter(|b| b.x >= 0.0 && b.y >= 0.0 && b.x + b.y <= 1.0)
+    barycentric_unclamped(corners, p).filter(|b| b.x >= 0.0 && b.y >= 0.0 && b.x + b.y <= 1.0)
 }
 
 fn barycentric_unclamped(corners: &[Vec2; 3], p: Vec2) -> Option<Vec2> {
@@ -332,7 +330,8 @@ mod tests {
 
     #[test]
     fn neighbouring_charts_do_not_answer_for_each_other() {
-        let (a, b) = (quad(Vec2::ZERO, Vec2::new(0.45, 1.0)), quad(Vec2::new(0.55, 0.0), Vec2::ONE));
+        let (a, b) =
+            (quad(Vec2::ZERO, Vec2::new(0.45, 1.0)), quad(Vec2::new(0.55, 0.0), Vec2::ONE));
         let mut mesh = a;
         mesh.positions.extend(b.positions.iter().map(|p| *p + Vec3::Y));
         mesh.uv1.extend(b.uv1);

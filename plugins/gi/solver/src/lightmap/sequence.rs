@@ -122,9 +122,8 @@ mod tests {
     fn directions_have_the_right_means() {
         let n = 4096;
         let normal = Vec3::new(1.0, 2.0, -3.0).normalize();
-        let mean = |f: &dyn Fn(Vec2) -> Vec3| {
-            (0..n).map(|i| f(sobol(i, 3))).sum::<Vec3>() / n as f32
-        };
+        let mean =
+            |f: &dyn Fn(Vec2) -> Vec3| (0..n).map(|i| f(sobol(i, 3))).sum::<Vec3>() / n as f32;
         // The mean of a cosine-distributed direction is 2/3 of the normal.
         let cosine = mean(&|p| cosine_direction(p, normal));
         assert!((cosine - normal * (2.0 / 3.0)).length() < 2e-3, "{cosine}");

@@ -122,10 +122,9 @@ impl Block {
 /// Ray `index` of an origin's family.
 fn family_ray(origin: &Origin, index: u32, seed: u32) -> Ray {
     match *origin {
-        Origin::Surface(position, normal) => Ray::new(
-            leave(position, normal),
-            cosine_direction(sobol(index, seed), normal),
-        ),
+        Origin::Surface(position, normal) => {
+            Ray::new(leave(position, normal), cosine_direction(sobol(index, seed), normal))
+        }
         Origin::Space(position) => Ray::new(position, space_direction(index)),
     }
 }

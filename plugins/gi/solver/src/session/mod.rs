@@ -7,6 +7,10 @@
 //! [`apply`]: Session::apply
 //! [`step`]: Session::step
 
+mod place;
+mod publish;
+mod run;
+
 use std::sync::Arc;
 
 use glam::{Affine3A, UVec3, Vec3};
@@ -16,6 +20,8 @@ use crate::{
     scene::{InstanceId, SceneChange},
     sh::ShRgb,
 };
+
+pub use run::{Session, TexelPoint};
 
 /// Names a state of the scene; chosen by whoever sends changes, growing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -36,12 +42,15 @@ pub struct SessionSettings {
     pub rays_per_probe: u32,
     /// Most memory for kept rays in bytes; `rays_per_texel` is lowered to stay below.
     pub ray_memory: usize,
-    /// Reflections of light that are followed (1 = one bounce).
+    /// Reflections of light that are followed (1 = one bounce); from 6 on, all are.
     pub bounces: u32,
     /// Paths a texel after which a still scene counts as converged and work stops.
     pub converged_paths: u32,
     /// Seed of all random numbers.
     pub seed: u64,
+    /// Threads that work at the same time; 0 is one fewer than there are cores, so that whoever draws
+    /// keeps one. Results do not depend on it.
+    pub threads: usize,
 }
 
 impl Default for SessionSettings {
@@ -56,6 +65,7 @@ impl Default for SessionSettings {
             bounces: 8,
             converged_paths: 4096,
             seed: 1,
+            threads: 0,
         }
     }
 }
@@ -149,34 +159,4 @@ pub struct LightingUpdate {
     pub grids: Vec<GridUpdate>,
     /// How good it is.
     pub quality: Quality,
-}
-
-/// Keeps the lighting of a changing scene solved.
-pub struct Session {
-    settings: SessionSettings,
-}
-
-impl Session {
-    /// A session with an empty scene.
-    #[must_use]
-    pub fn new(settings: SessionSettings) -> Self {
-        Self { settings }
-    }
-
-    /// Takes changes over. Cheap: the work is done by [`step`](Self::step).
-    pub fn apply(&mut self, snapshot: SnapshotId, changes: Vec<SessionChange>) {
-        let _ = (snapshot, changes, &self.settings, Vec3::ZERO);
-    }
-
-    /// Does one piece of work of a few milliseconds to some tens. Returns an update when there is
-    /// something better to show.
-    pub fn step(&mut self) -> Option<LightingUpdate> {
-        None
-    }
-
-    /// Whether [`step`](Self::step) has nothing to do until something changes.
-    #[must_use]
-    pub fn is_idle(&self) -> bool {
-        true
-    }
 }

@@ -1,0 +1,32 @@
+//! The lightmap solver: an answer in milliseconds, better ones until it converges.
+//!
+//! What is solved for is irradiance at the texels of the receivers' second UV squares, and radiance
+//! at probes, without what punctual lights send there directly. The work is split so that light
+//! that changes costs little:
+//!
+//! 1. *Texels* (`raster`): each receiver's second UV square is rasterized at its resolution.
+//! 2. *Patches* (`patches`): each side of a texel exchanges light; surfaces without a lightmap are cut
+//!    into surfels when rays meet them.
+//! 3. *Transport* (`transport`): rays from each patch are traced once and remembered by the patch that they met.
+//! 4. *Direct light* (`direct`): a few shadow rays a patch, only for lights that moved.
+//! 5. *Bounces and the last gather* (`lighting`): sums over remembered rays, no tracing.
+//! 6. *Dilation* (`fill`): the texels around each chart.
+//!
+//! The idea of keeping the rays and re-lighting what they met is instant radiosity's final gather
+//! turned into a table; compare Lehtinen et al. 2008, "A Meshless Hierarchical Representation for Light
+//! Transport", and the surfel caches of current engines.
+
+mod charts;
+mod closed;
+mod direct;
+mod fill;
+mod grids;
+pub(crate) mod lighting;
+mod patches;
+mod raster;
+mod sequence;
+mod transport;
+
+pub(crate) use grids::GridState;
+pub(crate) use lighting::{Lighting, Limits};
+pub(crate) use raster::MeshTexels;

@@ -1,0 +1,139 @@
+//! The session from outside: what comes in, what comes out.
+
+mod common;
+
+use std::f32::consts::PI;
+
+use common::{Builder, set_light, settle, small, two_rooms};
+use farlight_gi_solver::session::{
+    GridId, ProbeGrid, Session, SessionChange, SessionSettings, SnapshotId,
+};
+use glam::{Affine3A, Quat, UVec3, Vec3};
+
+fn furnace(rho: f32, settings: SessionSettings) -> Session {
+    let mut b = Builder::default();
+    b.room(Vec3::ZERO, Vec3::new(2.0, 3.0, 4.0), [Vec3::splat(rho); 6], Vec3::ONE);
+    let mut session = b.session(settings);
+    settle(&mut session);
+    session
+}
+
+#[test]
+fn a_white_furnace_follows_the_series() {
+    for (rho, bounces) in [(0.5_f32, 1), (0.5, 2), (0.8, 3), (0.5, 8)] {
+        let session = furnace(rho, SessionSettings { bounces, ..small() });
+        let expected: f32 = if bounces >= 6 {
+            1.0 / (1.0 - rho)
+        } else {
+            (0..=bounces).map(|i| rho.powi(i as i32)).sum()
+        };
+        let texels = session.texels();
+        assert!(texels.len() > 500);
+        for texel in texels {
+            let error = texel.value.x / expected - 1.0;
+            assert!(error.abs() < 2e-3, "rho {rho}, {bounces} bounces: {texel:?}, {expected}");
+        }
+    }
+}
+
+#[test]
+fn probes_of_a_furnace_see_the_same_from_all_sides() {
+    let mut b = Builder::default();
+    b.room(Vec3::ZERO, Vec3::splat(3.0), [Vec3::splat(0.5); 6], Vec3::ONE);
+    b.changes.push(SessionChange::SetGrid(
+        GridId(7),
+        ProbeGrid {
+            transform: Affine3A::from_scale_rotation_translation(
+                Vec3::splat(2.0),
+                Quat::IDENTITY,
+                Vec3::splat(1.5),
+            ),
+            resolution: UVec3::new(2, 3, 4),
+        },
+    ));
+    let mut session = b.session(small());
+    let updates = settle(&mut session);
+    let grid = updates.iter().flat_map(|u| &u.grids).next_back().expect("a grid update");
+    assert_eq!((grid.grid, grid.resolution), (GridId(7), UVec3::new(2, 3, 4)));
+    assert_eq!(grid.probes.len(), 24);
+    for probe in &grid.probes {
+        for normal in [Vec3::X, Vec3::NEG_Y, Vec3::Z] {
+            let e = probe.irradiance(normal).x;
+            assert!((e / (2.0 * PI) - 1.0).abs() < 0.02, "{e}");
+        }
+    }
+}
+
+#[test]
+fn no_light_passes_a_wall() {
+    let mut b = two_rooms(false);
+    b.point_light(0, Vec3::new(2.0, 2.0, 2.0), Vec3::splat(30.0));
+    let mut session = b.session(small());
+    settle(&mut session);
+    let (mut bright, mut dark) = (0, 0);
+    for texel in session.texels() {
+        if texel.position.x > 4.1 {
+            assert_eq!(texel.value, Vec3::ZERO, "{texel:?}");
+            dark += 1;
+        } else {
+            assert!(texel.value.min_element() > 0.0, "{texel:?}");
+            bright += 1;
+        }
+    }
+    assert!(bright > 500 && dark > 500);
+}
+
+#[test]
+fn light_that_changes_traces_no_ray_again() {
+    let mut b = two_rooms(true);
+    b.point_light(0, Vec3::new(2.0, 2.0, 2.0), Vec3::splat(30.0));
+    let mut session = b.session(small());
+    settle(&mut session);
+    let (traced, before) = (session.rays_traced(), session.texels());
+    session.apply(SnapshotId(2), vec![set_light(0, Vec3::new(2.0, 2.0, 2.0), Vec3::splat(60.0))]);
+    let updates = settle(&mut session);
+    assert_eq!(session.rays_traced(), traced);
+    assert_eq!(updates[0].snapshot, SnapshotId(2));
+    for (new, old) in session.texels().iter().zip(&before) {
+        assert!(
+            (new.value - old.value * 2.0).abs().max_element()
+                <= 4e-3 * old.value.max_element() + 1e-4
+        );
+    }
+    session.apply(SnapshotId(3), vec![set_light(0, Vec3::new(1.0, 1.5, 3.0), Vec3::splat(60.0))]);
+    assert!(!session.is_idle());
+    let updates = settle(&mut session);
+    // New patches may be met by nothing: no ray was traced.
+    assert_eq!(session.rays_traced(), traced);
+    assert!(updates.iter().any(|u| !u.tiles.is_empty()));
+}
+
+#[test]
+fn a_still_scene_becomes_idle_and_says_so_once() {
+    let mut b = two_rooms(true);
+    b.point_light(0, Vec3::new(2.0, 2.0, 2.0), Vec3::splat(30.0));
+    let mut session = b.session(small());
+    let updates = settle(&mut session);
+    assert_eq!(updates.iter().filter(|u| u.quality.converged).count(), 1);
+    assert!(updates.last().is_some_and(|u| u.quality.converged));
+    for _ in 0..50 {
+        assert!(session.step().is_none());
+    }
+    // The same again is no change.
+    session.apply(SnapshotId(2), vec![set_light(0, Vec3::new(2.0, 2.0, 2.0), Vec3::splat(30.0))]);
+    assert!(session.is_idle() && session.step().is_none());
+}
+
+#[test]
+fn results_repeat_and_do_not_depend_on_threads() {
+    let run = |threads| {
+        let mut b = two_rooms(true);
+        b.point_light(0, Vec3::new(2.0, 2.0, 2.0), Vec3::splat(30.0));
+        let mut session = b.session(SessionSettings { threads, ..small() });
+        settle(&mut session);
+        session.texels()
+    };
+    let one = run(1);
+    assert_eq!(one, run(1));
+    assert_eq!(one, run(3));
+}
