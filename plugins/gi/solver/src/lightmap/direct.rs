@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{patches::Patches, transport::leave};
+use super::patches::Patches;
 use crate::{
-    Ray, World,
+    World,
     scene::{Light, LightId},
+    visibility::{offset_origin, shadow_ray},
 };
 
 /// What one light sends to every patch, for an intensity of one: a light whose intensity changes
@@ -83,16 +84,7 @@ fn mean_factor(world: &World, patches: &Patches, patch: usize, light: &Light) ->
         if cos <= 0.0 {
             continue;
         }
-        let origin = leave(point, normal);
-        let ray = Ray {
-            t_max: if sample.distance.is_finite() {
-                (light.position - origin).length() * (1.0 - 1e-5)
-            } else {
-                f32::INFINITY
-            },
-            ..Ray::new(origin, sample.to_light)
-        };
-        if !world.tracer.occluded(&ray) {
+        if !world.occluded(&shadow_ray(offset_origin(point, normal), light)) {
             sum += sample.irradiance.x * cos;
         }
     }

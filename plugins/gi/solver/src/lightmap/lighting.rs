@@ -509,6 +509,3 @@ impl Lighting {
 pub(crate) fn luminance(c: Vec3) -> f32 {
     c.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
-impl Lighting { pub(crate) fn debug(&self) -> String {
- format!("patches {} fronts {} blocks {:?} table {:?} bounced {:?} settled {}", self.patches.len(), self.patches.fronts, self.blocks.iter().map(|b|(b.first,b.count,b.met.len(),b.sky.len(), b.met.iter().filter(|m|**m==0).count(), b.met.iter().filter(|m|**m as usize>self.patches.fronts).count())).collect::<Vec<_>>(), &self.table[..5], &self.bounced[..5], self.settled)
-}}

@@ -12,7 +12,7 @@ use super::{
     patches::{Met, Patches},
     sequence::{cosine_direction, hash2, pack_direction, sobol, sphere_direction},
 };
-use crate::{Hit, Ray, World};
+use crate::{Hit, Ray, World, visibility::offset_origin};
 
 /// Rays of the first block.
 pub(crate) const FIRST_BLOCK: u32 = 32;
@@ -78,7 +78,7 @@ impl Block {
                 let seed = hash2(seed, (start + i) as u32);
                 for (j, out) in out.iter_mut().enumerate() {
                     let ray = family_ray(origin, self.first + j as u32, seed);
-                    let hit = world.tracer.closest(&ray);
+                    let hit = world.closest(&ray);
                     *out = (frozen.meet(world, &hit, ray.direction), hit, ray.direction);
                 }
             },
@@ -123,7 +123,7 @@ impl Block {
 fn family_ray(origin: &Origin, index: u32, seed: u32) -> Ray {
     match *origin {
         Origin::Surface(position, normal) => {
-            Ray::new(leave(position, normal), cosine_direction(sobol(index, seed), normal))
+            Ray::new(offset_origin(position, normal), cosine_direction(sobol(index, seed), normal))
         }
         Origin::Space(position) => Ray::new(position, space_direction(index)),
     }
@@ -132,9 +132,4 @@ fn family_ray(origin: &Origin, index: u32, seed: u32) -> Ray {
 /// Direction `index` from any point in space.
 pub(crate) fn space_direction(index: u32) -> Vec3 {
     sphere_direction(sobol(index, 0x51ed_270b))
-}
-
-/// A point just off a surface, so that rays from it do not meet that surface.
-pub(crate) fn leave(position: Vec3, normal: Vec3) -> Vec3 {
-    position + normal * (1e-4 + 4e-6 * position.abs().max_element())
 }

@@ -201,7 +201,7 @@ impl Session {
         }
         let lighting = self.lighting.as_mut()?;
         let solve = lighting.is_solving()
-            || (self.dirty.light && lighting.is_ready() && !(self.growth_due && !self.grown));
+            || (self.dirty.light && lighting.is_ready() && (self.grown || !self.growth_due));
         if solve {
             if !lighting.is_solving() {
                 self.dirty.light = false;
@@ -390,4 +390,3 @@ impl Session {
         out
     }
 }
-impl Session { pub fn debug(&self) -> String { self.lighting.as_ref().unwrap().debug() } }

@@ -13,13 +13,13 @@ use glam::{Affine3A, Vec2, Vec3};
 
 /// Changes that make up a scene; ids count up from 0.
 #[derive(Default)]
-pub struct Builder {
-    pub changes: Vec<SessionChange>,
+pub(crate) struct Builder {
+    pub(crate) changes: Vec<SessionChange>,
     next: u64,
 }
 
 /// A parallelogram from `origin` along `u` and `v`, facing `u x v`, its second UV set 0..1.
-pub fn quad(origin: Vec3, u: Vec3, v: Vec3) -> Mesh {
+pub(crate) fn quad(origin: Vec3, u: Vec3, v: Vec3) -> Mesh {
     Mesh {
         positions: vec![origin, origin + u, origin + u + v, origin + v],
         uv1: vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y],
@@ -30,7 +30,7 @@ pub fn quad(origin: Vec3, u: Vec3, v: Vec3) -> Mesh {
 
 impl Builder {
     /// Adds a mesh as an instance with its own material; a receiver if it has a second UV set.
-    pub fn add(&mut self, mesh: Mesh, albedo: Vec3, emissive: Vec3) -> InstanceId {
+    pub(crate) fn add(&mut self, mesh: Mesh, albedo: Vec3, emissive: Vec3) -> InstanceId {
         let id = self.next;
         self.next += 1;
         let receiver = !mesh.uv1.is_empty();
@@ -51,12 +51,12 @@ impl Builder {
     }
 
     /// Adds a quad.
-    pub fn quad(&mut self, origin: Vec3, u: Vec3, v: Vec3, albedo: Vec3) -> InstanceId {
+    pub(crate) fn quad(&mut self, origin: Vec3, u: Vec3, v: Vec3, albedo: Vec3) -> InstanceId {
         self.add(quad(origin, u, v), albedo, Vec3::ZERO)
     }
 
     /// Six quads that face inwards: floor, ceiling, -x, +x, -z, +z.
-    pub fn room(&mut self, low: Vec3, high: Vec3, albedo: [Vec3; 6], emissive: Vec3) {
+    pub(crate) fn room(&mut self, low: Vec3, high: Vec3, albedo: [Vec3; 6], emissive: Vec3) {
         let d = high - low;
         let (x, y, z) = (Vec3::X * d.x, Vec3::Y * d.y, Vec3::Z * d.z);
         let sides = [
@@ -73,12 +73,12 @@ impl Builder {
     }
 
     /// Adds a point light.
-    pub fn point_light(&mut self, id: u64, position: Vec3, intensity: Vec3) {
+    pub(crate) fn point_light(&mut self, id: u64, position: Vec3, intensity: Vec3) {
         self.changes.push(set_light(id, position, intensity));
     }
 
     /// A session with the scene.
-    pub fn session(self, settings: SessionSettings) -> Session {
+    pub(crate) fn session(self, settings: SessionSettings) -> Session {
         let mut session = Session::new(settings);
         session.apply(SnapshotId(1), self.changes);
         session
@@ -86,7 +86,7 @@ impl Builder {
 }
 
 /// A change that places a point light.
-pub fn set_light(id: u64, position: Vec3, intensity: Vec3) -> SessionChange {
+pub(crate) fn set_light(id: u64, position: Vec3, intensity: Vec3) -> SessionChange {
     SessionChange::Scene(SceneChange::SetLight(
         LightId(id),
         Light {
@@ -100,7 +100,7 @@ pub fn set_light(id: u64, position: Vec3, intensity: Vec3) -> SessionChange {
 }
 
 /// Steps until the session is idle; all updates.
-pub fn settle(session: &mut Session) -> Vec<LightingUpdate> {
+pub(crate) fn settle(session: &mut Session) -> Vec<LightingUpdate> {
     let mut updates = Vec::new();
     for _ in 0..100_000 {
         updates.extend(session.step());
@@ -112,7 +112,7 @@ pub fn settle(session: &mut Session) -> Vec<LightingUpdate> {
 }
 
 /// Small settings, quick in tests.
-pub fn small() -> SessionSettings {
+pub(crate) fn small() -> SessionSettings {
     SessionSettings {
         page_size: 128,
         max_pages: 1,
@@ -126,7 +126,7 @@ pub fn small() -> SessionSettings {
 
 /// Two rooms along x with a wall between them; `door` cuts a doorway. Room 1 is x 0..4, room 2 is
 /// x 4.2..8.2, both z 0..4, y 0..3. The doorway is z 1.5..2.5, y 0..2.
-pub fn two_rooms(door: bool) -> Builder {
+pub(crate) fn two_rooms(door: bool) -> Builder {
     let mut b = Builder::default();
     let grey = Vec3::splat(0.7);
     let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
