@@ -18,6 +18,7 @@
 //! | [`unwrap`] | second UV sets, checked or made |
 //! | [`atlas`] | lightmap pages with free rectangles |
 //! | [`lightmap`] | the lightmap solver: milliseconds first, converged later |
+//! | [`settings`] | how to solve, as a user writes it down |
 //! | [`session`] | scene changes in, lighting updates out: what a thread or a server runs |
 //!
 //! # Units
@@ -35,6 +36,7 @@ pub mod receiver;
 pub mod sampling;
 pub mod scene;
 pub mod session;
+pub mod settings;
 pub mod sh;
 pub mod tracer;
 pub mod unwrap;

@@ -1,0 +1,132 @@
+//! `farlight check`: configuration files.
+
+use std::path::{Path, PathBuf};
+
+use farlight_gi_solver::settings::GiSettings;
+
+use crate::error::{CliError, read_text};
+
+/// Check a configuration file
+///
+/// The name of the file's outer struct tells what it is: GiSettings(...) holds the settings of
+/// global illumination. Unknown fields, values of the wrong type and values out of range are errors
+/// that name the file, the line and the field.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// The file, in RON
+    #[arg(value_name = "FILE.ron", required = true)]
+    files: Vec<PathBuf>,
+}
+
+/// What can be checked: the outer name, and how.
+const KINDS: [(&str, fn(&Path, &str) -> Result<(), CliError>); 1] = [("GiSettings", gi_settings)];
+
+/// Runs the subcommand.
+pub(crate) fn run(args: &Args) -> Result<(), CliError> {
+    for path in &args.files {
+        let kind = check(path, &read_text(path)?)?;
+        println!("{}: good ({kind})", path.display());
+    }
+    Ok(())
+}
+
+/// Checks one text and returns its kind.
+fn check(path: &Path, text: &str) -> Result<&'static str, CliError> {
+    let known = KINDS.map(|(name, _)| name).join(", ");
+    let (line, name) = outer_name(text);
+    if name.is_empty() {
+        return Err(CliError::in_file(
+            path,
+            line,
+            format_args!(
+                "the file must begin with what it is, for example GiSettings(...); known: {known}"
+            ),
+        ));
+    }
+    let Some((kind, check)) = KINDS.iter().find(|(kind, _)| *kind == name) else {
+        return Err(CliError::in_file(
+            path,
+            line,
+            format_args!("unknown kind {name}; known: {known}"),
+        ));
+    };
+    check(path, text)?;
+    Ok(kind)
+}
+
+fn gi_settings(path: &Path, text: &str) -> Result<(), CliError> {
+    let settings: GiSettings = ron::from_str(text).map_err(|e| {
+        let start = e.span.start;
+        CliError::in_file(path, format_args!("{}:{}", start.line, start.col), &e.code)
+    })?;
+    settings.validate().map_err(|e| match line_of(text, e.field) {
+        Some(line) => CliError::in_file(path, line, &e),
+        None => CliError::in_file(path, " ", &e),
+    })
+}
+
+/// The first identifier after white space, comments and `#![...]` attributes, with its line; empty
+/// if there is something else.
+fn outer_name(text: &str) -> (usize, &str) {
+    let mut rest = text;
+    loop {
+        rest = rest.trim_start();
+        let skip = if rest.starts_with("//") {
+            rest.find('\n')
+        } else if rest.starts_with("/*") {
+            rest.find("*/").map(|i| i + 2)
+        } else if rest.starts_with("#!") {
+            rest.find(']').map(|i| i + 1)
+        } else {
+            break;
+        };
+        rest = skip.map_or("", |skip| &rest[skip..]);
+    }
+    let before = &text[..text.len() - rest.len()];
+    let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
+    (before.matches('\n').count() + 1, &rest[..end])
+}
+
+/// The line on which a field is set, outside of line comments.
+fn line_of(text: &str, field: &str) -> Option<usize> {
+    let sets = |line: &str| {
+        let code = line.split("//").next().unwrap_or_default();
+        code.match_indices(field).any(|(at, _)| {
+            let before = code[..at].chars().next_back();
+            !before.is_some_and(|c| c.is_alphanumeric() || c == '_')
+                && code[at + field.len()..].trim_start().starts_with(':')
+        })
+    };
+    text.lines().position(sets).map(|i| i + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn result(text: &str) -> Result<&'static str, String> {
+        check(Path::new("gi.ron"), text).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn good_files() {
+        assert_eq!(result("GiSettings()"), Ok("GiSettings"));
+        let text = "#![enable(implicit_some)]\n// mine\n/* a\nb */ GiSettings(\n bounces: 4,\n)";
+        assert_eq!(result(text), Ok("GiSettings"));
+    }
+
+    #[test]
+    fn errors_name_file_line_and_field() {
+        let error = result("GiSettings(\n  bounces: 4,\n  bouncs: 4,\n)").unwrap_err();
+        assert!(error.starts_with("gi.ron:3:") && error.contains("bouncs"), "{error}");
+        let error = result("GiSettings(\n  // bounces: 1,\n  bounces: 99,\n)").unwrap_err();
+        assert_eq!(error, "gi.ron:3: bounces is 99, must be 1 to 64");
+        let error = result("GiSettings(\n  seed: \"x\",\n)").unwrap_err();
+        assert!(error.starts_with("gi.ron:2:"), "{error}");
+        let error = result("\n\nSkySettings()").unwrap_err();
+        assert_eq!(error, "gi.ron:3: unknown kind SkySettings; known: GiSettings");
+        let error = result("(bounces: 4)").unwrap_err();
+        assert!(error.starts_with("gi.ron:1:") && error.contains("GiSettings"), "{error}");
+        assert!(result("").is_err() && result("/* never closed").is_err());
+    }
+}
