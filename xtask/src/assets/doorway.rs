@@ -46,14 +46,18 @@ pub(super) enum Look {
 /// The file.
 pub(super) fn glb() -> Vec<u8> {
     let images = textures::all(&profile_lengths());
+    glb::write(&parts(), &materials(), &images)
+}
+
+fn parts() -> Vec<Part> {
     let mut parts = Vec::new();
     let bright = [-WALL - LENGTH, -WALL];
     let dark = [WALL, WALL + LENGTH];
-    parts.push(flat("bright_floor", Look::Planks, bright, 0.0, 32, Uv::Tile(1.28)));
-    parts.push(flat("bright_ceiling", Look::Ceiling, bright, HEIGHT, 32, Uv::Tile(1.0)));
+    parts.push(flat("bright_floor", Look::Planks, bright, 0.0, 26, Uv::Tile(1.28)));
+    parts.push(flat("bright_ceiling", Look::Ceiling, bright, HEIGHT, 26, Uv::Tile(1.0)));
     parts.push(walls("bright_walls", Look::BrightWalls, bright, 1));
-    parts.push(flat("dark_floor", Look::Tiles, dark, 0.0, 32, Uv::Tile(1.2)));
-    parts.push(flat("dark_ceiling", Look::Ceiling, dark, HEIGHT, 32, Uv::Tile(1.0)));
+    parts.push(flat("dark_floor", Look::Tiles, dark, 0.0, 26, Uv::Tile(1.2)));
+    parts.push(flat("dark_ceiling", Look::Ceiling, dark, HEIGHT, 26, Uv::Tile(1.0)));
     parts.push(walls("dark_walls", Look::DarkWalls, dark, 3));
     parts.push(door_frame());
     let mut oak = furniture::bright_woodwork();
@@ -73,7 +77,7 @@ pub(super) fn glb() -> Vec<u8> {
     parts.push(furniture::stone());
     parts.push(furniture::pictures());
     parts.push(furniture::rug());
-    glb::write(&parts, &materials(), &images)
+    parts
 }
 
 fn materials() -> Vec<glb::Material> {
@@ -141,7 +145,7 @@ fn profile_lengths() -> Vec<f64> {
 /// Four walls, each a chart and a quarter of the texture: north (-z), east (+x), south, west. `door`
 /// is the wall with the hole.
 fn walls(name: &'static str, look: Look, x: [f64; 2], door: usize) -> Part {
-    let mut part = Part::new(name, look as usize, 64);
+    let mut part = Part::new(name, look as usize, 52);
     let (x0, x1) = (x[0], x[1]);
     // Corner, direction and inward normal; seen from inside the wall runs from left to right.
     let sides: [(P, P, P); 4] = [
@@ -186,7 +190,7 @@ fn walls(name: &'static str, look: Look, x: [f64; 2], door: usize) -> Part {
 
 /// Casings on both sides and the lining between them: one moulding round the opening.
 fn door_frame() -> Part {
-    let mut part = Part::new("door_frame", Look::Paint as usize, 32);
+    let mut part = Part::new("door_frame", Look::Paint as usize, 24);
     let (face, edge) = (WALL + 0.035, 0.09);
     // Position across the wall, distance from the clear opening.
     let half = [[face, 0.008], [face, edge - 0.012], [face - 0.012, edge], [WALL - 0.01, edge]];
@@ -207,4 +211,17 @@ fn door_frame() -> Part {
         |_, _| true,
     );
     part
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_squares_fit_one_lightmap_page() {
+        let squares: Vec<_> =
+            super::parts().iter().map(|p| [0.0, 0.0, p.texels as f64, p.texels as f64]).collect();
+        assert!(
+            crate::assets::pack::fits(&squares, 128),
+            "the squares do not fit 128 x 128 texels"
+        );
+    }
 }

@@ -62,6 +62,14 @@ fn try_pack(bounds: &[[f64; 4]], texels: usize, density: f64) -> Option<Vec<Plac
     placed.into_iter().collect()
 }
 
+/// Whether squares of whole texels fit a page edge to edge.
+#[cfg(test)]
+pub(super) fn fits(squares: &[[f64; 4]], texels: usize) -> bool {
+    // Each gets a border of one texel here, which stands for its own outermost texels.
+    let inner: Vec<_> = squares.iter().map(|b| [0.0, 0.0, b[2] - 2.0, b[3] - 2.0]).collect();
+    try_pack(&inner, texels, 1.0).is_some()
+}
+
 /// The free place nearest to the first row, in either orientation.
 fn find(taken: &[bool], texels: usize, w: usize, h: usize) -> Option<(usize, usize, bool)> {
     let free = |x: usize, y: usize, w: usize, h: usize| {
@@ -79,4 +87,29 @@ fn find(taken: &[bool], texels: usize, w: usize, h: usize) -> Option<(usize, usi
         }
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn charts_keep_their_distance() {
+        let bounds = [[0.0, 0.0, 2.0, 1.0], [5.0, 0.0, 6.0, 3.0], [0.0, -1.0, 1.0, 0.0]];
+        let placed = pack(&bounds, 32);
+        let mut owner = vec![None; 32 * 32];
+        for (i, (p, b)) in placed.iter().zip(bounds).enumerate() {
+            let [low, high] =
+                [p.uv([b[0], b[1]]), p.uv([b[2], b[3]])].map(|uv| uv.map(|v| v * 32.0));
+            for v in low.iter().chain(&high) {
+                assert!((v - v.round()).abs() < 1e-9, "whole texels: {v}");
+            }
+            // With the border round it no texel is claimed twice, and none lies outside.
+            for y in low[1] as usize - 1..high[1] as usize + 1 {
+                for x in low[0] as usize - 1..high[0] as usize + 1 {
+                    assert_eq!(owner[y * 32 + x].replace(i), None);
+                }
+            }
+        }
+    }
 }

@@ -54,7 +54,7 @@ pub(super) struct Part {
     pub(super) name: &'static str,
     pub(super) material: usize,
     /// Texels of the lightmap square that the charts are laid out for.
-    texels: usize,
+    pub(super) texels: usize,
     faces: Vec<Face>,
     charts: usize,
 }
