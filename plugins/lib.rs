@@ -1,1 +1,75 @@
-//! Farlight.
+//! Farlight brings into a [Bevy](https://bevy.org) game the light that the player's device can't
+//! compute. This crate is the door: one feature a plugin, [`FarlightPlugins`] adds what is
+//! switched on.
+//!
+//! | feature | plugin | what |
+//! |---|---|---|
+//! | `gi` (default) | [`gi::GiPlugin`] | global illumination: lightmaps and probes, solved in the background |
+//!
+//! Ten lines bring indirect light into a game:
+//!
+//! ```no_run
+//! use bevy::prelude::*;
+//! use farlight::prelude::*;
+//!
+//! App::new()
+//!     .add_plugins((DefaultPlugins, FarlightPlugins))
+//!     .insert_resource(GlobalAmbientLight::NONE)
+//!     .add_systems(Startup, |mut commands: Commands| {
+//!         // Put your level below this entity, now or later.
+//!         commands.spawn((GiScene, Transform::default(), Visibility::default()));
+//!         // What moves in this box of 10 x 4 x 10 m is lit by probes.
+//!         let room = Transform::from_xyz(0.0, 2.0, 0.0).with_scale(Vec3::new(10.0, 4.0, 10.0));
+//!         commands.spawn((GiProbeVolume { resolution: UVec3::new(10, 4, 10) }, room));
+//!     })
+//!     .run();
+//! ```
+//!
+//! Lights, materials and meshes stay Bevy's own.
+
+use bevy::app::{PluginGroup, PluginGroupBuilder};
+
+/// What the plugins share.
+pub use farlight_core as core;
+/// Global illumination.
+#[cfg(feature = "gi")]
+pub use farlight_gi as gi;
+
+/// All plugins whose features are on.
+///
+/// | plugin | what it is responsible for |
+/// |---|---|
+/// | [`core::FarlightCorePlugin`] | shared types, texels into textures |
+/// | [`gi::GiPlugin`] | indirect light |
+///
+/// Replace one to configure it:
+///
+/// ```no_run
+/// use bevy::prelude::*;
+/// use farlight::prelude::*;
+///
+/// let gi = GiPlugin::default().with_settings_file("lighting/level.gi.ron");
+/// App::new().add_plugins((DefaultPlugins, FarlightPlugins.set(gi))).run();
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FarlightPlugins;
+
+impl PluginGroup for FarlightPlugins {
+    fn build(self) -> PluginGroupBuilder {
+        let group = PluginGroupBuilder::start::<Self>().add(farlight_core::FarlightCorePlugin);
+        #[cfg(feature = "gi")]
+        let group = group.add(farlight_gi::GiPlugin::default());
+        group
+    }
+}
+
+/// What most games use.
+pub mod prelude {
+    pub use crate::FarlightPlugins;
+    pub use farlight_core::{DerivedLight, SkyRadiance, SkySource};
+    #[cfg(feature = "gi")]
+    pub use farlight_gi::{
+        GiControl, GiDynamic, GiLightmaps, GiPlugin, GiProbeVolume, GiScene, GiSettings, GiState,
+        GiStatus, GiUpdated, GiView,
+    };
+}

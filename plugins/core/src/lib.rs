@@ -1,1 +1,42 @@
-//! TODO
+//! What the Farlight plugins share, kept tiny.
+//!
+//! | item | for |
+//! |---|---|
+//! | [`DerivedLight`] | lights that a plugin made; no plugin reads them as lights of the scene |
+//! | [`SkySource`] | the one sky that lighting counts |
+//! | [`TextureUploads`] | texels into existing textures, a bounded number of bytes a frame |
+//! | [`RonPlugin`], [`RonSettings`] | configuration files as hot-reloaded assets, errors with file, line and field |
+//! | [`LeftOut`], [`TimeStats`], [`TimeWindow`], [`CostMeter`] | what status resources are made of |
+//!
+//! Add [`FarlightCorePlugin`] once; the plugins that need it do so themselves.
+
+mod cost;
+mod light;
+mod ron_asset;
+mod sky;
+mod status;
+mod upload;
+
+use bevy::app::{App, Plugin};
+
+pub use cost::{CostMeter, Measured, thread_cpu_time};
+pub use light::DerivedLight;
+pub use ron_asset::{FieldProblem, RonError, RonLoader, RonPlugin, RonSettings, parse_ron};
+pub use sky::{SkyRadiance, SkySource, SkyTaken};
+pub use status::{LeftOut, TimeStats, TimeWindow};
+pub use upload::{Region, RegionProblem, TextureUploads, Ticket, UploadProgress};
+
+/// Registers the shared types and the texture uploader.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FarlightCorePlugin;
+
+impl Plugin for FarlightCorePlugin {
+    fn build(&self, app: &mut App) {
+        app.register_type::<DerivedLight>().init_resource::<SkySource>();
+        upload::build(app);
+    }
+
+    fn is_unique(&self) -> bool {
+        true
+    }
+}

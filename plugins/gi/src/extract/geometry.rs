@@ -1,0 +1,161 @@
+//! Triangles of Bevy's meshes, and second UV sets for those that have none.
+
+use std::sync::Arc;
+
+use bevy::{
+    math::{Vec2, Vec3},
+    mesh::{Indices, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues},
+    prelude::Mesh,
+};
+use farlight_gi_solver::scene;
+
+use crate::uv1::{Uv1, second_uv_set};
+
+/// What a task makes of a mesh.
+pub(super) struct Converted {
+    /// Its triangles for the solver.
+    pub(super) geometry: Arc<scene::Mesh>,
+    /// A mesh to draw instead, with a second UV set.
+    pub(super) replacement: Option<Box<Mesh>>,
+    /// Why it can't receive light, if so.
+    pub(super) no_receiver: Option<String>,
+}
+
+/// Converts a mesh, making a second UV set where there is no usable one.
+pub(super) fn convert(mesh: &Mesh) -> Result<Converted, String> {
+    let mut geometry = triangles(mesh)?;
+    geometry.validate().map_err(|problem| problem.to_string())?;
+    match second_uv_set(&geometry) {
+        Ok(Uv1::Usable) => {
+            Ok(Converted { geometry: Arc::new(geometry), replacement: None, no_receiver: None })
+        }
+        Ok(Uv1::Made { source, uv1, triangles }) => {
+            let replacement = rebuild(mesh, &source, &uv1, &triangles)?;
+            geometry = scene::Mesh {
+                positions: pick(&geometry.positions, &source),
+                normals: pick(&geometry.normals, &source),
+                uv0: pick(&geometry.uv0, &source),
+                uv1,
+                triangles,
+            };
+            geometry.validate().map_err(|problem| problem.to_string())?;
+            Ok(Converted {
+                geometry: Arc::new(geometry),
+                replacement: Some(Box::new(replacement)),
+                no_receiver: None,
+            })
+        }
+        Err(reason) => {
+            geometry.uv1.clear();
+            Ok(Converted {
+                geometry: Arc::new(geometry),
+                replacement: None,
+                no_receiver: Some(reason),
+            })
+        }
+    }
+}
+
+/// Positions, normals, UV sets and triangles of a mesh.
+fn triangles(mesh: &Mesh) -> Result<scene::Mesh, String> {
+    let positions = match attribute(mesh, Mesh::ATTRIBUTE_POSITION)? {
+        Some(VertexAttributeValues::Float32x3(values)) => {
+            values.iter().copied().map(Vec3::from_array).collect::<Vec<_>>()
+        }
+        Some(_) => return Err("its positions aren't three 32-bit floats".into()),
+        None => return Err("it has no positions".into()),
+    };
+    let normals = match attribute(mesh, Mesh::ATTRIBUTE_NORMAL)? {
+        Some(VertexAttributeValues::Float32x3(values)) => {
+            values.iter().copied().map(Vec3::from_array).collect()
+        }
+        _ => Vec::new(),
+    };
+    let uv = |set| -> Result<Vec<Vec2>, String> {
+        Ok(match attribute(mesh, set)? {
+            Some(VertexAttributeValues::Float32x2(values)) => {
+                values.iter().copied().map(Vec2::from_array).collect()
+            }
+            _ => Vec::new(),
+        })
+    };
+    let indices: Vec<u32> = match mesh.try_indices_option().map_err(|_| no_data())? {
+        Some(Indices::U16(indices)) => indices.iter().map(|&i| u32::from(i)).collect(),
+        Some(Indices::U32(indices)) => indices.clone(),
+        None => {
+            (0..u32::try_from(positions.len()).map_err(|_| "it has too many vertices")?).collect()
+        }
+    };
+    let triangles = match mesh.primitive_topology() {
+        PrimitiveTopology::TriangleList => indices.as_chunks::<3>().0.to_vec(),
+        PrimitiveTopology::TriangleStrip => indices
+            .windows(3)
+            .enumerate()
+            .map(|(i, w)| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] })
+            .filter(|[a, b, c]| a != b && b != c && a != c)
+            .collect(),
+        PrimitiveTopology::LineList | PrimitiveTopology::LineStrip => {
+            return Err("it consists of lines".into());
+        }
+        PrimitiveTopology::PointList => return Err("it consists of points".into()),
+    };
+    let (uv0, uv1) = (uv(Mesh::ATTRIBUTE_UV_0)?, uv(Mesh::ATTRIBUTE_UV_1)?);
+    Ok(scene::Mesh { positions, normals, uv0, uv1, triangles })
+}
+
+fn attribute(
+    mesh: &Mesh,
+    attribute: MeshVertexAttribute,
+) -> Result<Option<&VertexAttributeValues>, String> {
+    mesh.try_attribute_option(attribute).map_err(|_| no_data())
+}
+
+/// The reason for meshes that only the GPU has.
+pub(super) fn no_data() -> String {
+    "its data isn't on the CPU; load it with RenderAssetUsages::MAIN_WORLD | RENDER_WORLD".into()
+}
+
+fn pick<T: Copy>(values: &[T], source: &[u32]) -> Vec<T> {
+    if values.is_empty() {
+        return Vec::new();
+    }
+    source.iter().map(|&i| values[i as usize]).collect()
+}
+
+/// The mesh with its vertices split where the second UV set has seams; all attributes carry over.
+fn rebuild(
+    mesh: &Mesh,
+    source: &[u32],
+    uv1: &[Vec2],
+    triangles: &[[u32; 3]],
+) -> Result<Mesh, String> {
+    let mut made = Mesh::new(PrimitiveTopology::TriangleList, mesh.asset_usage);
+    for (attribute, values) in mesh.try_attributes().map_err(|_| no_data())? {
+        if attribute.id != Mesh::ATTRIBUTE_UV_1.id {
+            made.insert_attribute(*attribute, gather(values, source));
+        }
+    }
+    let uv1: Vec<[f32; 2]> = uv1.iter().map(Vec2::to_array).collect();
+    made.insert_attribute(Mesh::ATTRIBUTE_UV_1, uv1);
+    made.insert_indices(Indices::U32(triangles.as_flattened().to_vec()));
+    made.enable_raytracing = mesh.enable_raytracing;
+    Ok(made)
+}
+
+macro_rules! gather_each {
+    ($values:expr, $source:expr; $($kind:ident)*) => {
+        match $values {
+            $(VertexAttributeValues::$kind(v) => VertexAttributeValues::$kind(pick(v, $source)),)*
+        }
+    };
+}
+
+fn gather(values: &VertexAttributeValues, source: &[u32]) -> VertexAttributeValues {
+    gather_each!(values, source;
+        Uint8 Uint8x2 Uint8x4 Sint8 Sint8x2 Sint8x4 Unorm8 Unorm8x2 Unorm8x4 Snorm8
+        Snorm8x2 Snorm8x4 Uint16 Uint16x2 Uint16x4 Sint16 Sint16x2 Sint16x4 Unorm16
+        Unorm16x2 Unorm16x4 Snorm16 Snorm16x2 Snorm16x4 Float16 Float16x2 Float16x4
+        Float32 Float32x2 Float32x3 Float32x4 Uint32 Uint32x2 Uint32x3 Uint32x4 Sint32
+        Sint32x2 Sint32x3 Sint32x4 Float64 Float64x2 Float64x3 Float64x4 Unorm10_10_10_2 Unorm8x4Bgra
+    )
+}

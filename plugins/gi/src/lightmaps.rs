@@ -1,0 +1,283 @@
+//! Lightmap pages, and Bevy's `Lightmap` on the meshes that have a place in them.
+
+use std::collections::BTreeMap;
+
+use bevy::{
+    asset::RenderAssetUsages,
+    ecs::entity::{EntityHashMap, EntityHashSet},
+    image::ImageSampler,
+    pbr::Lightmap,
+    prelude::*,
+    render::render_resource::{Extent3d, TextureDimension, TextureFormat},
+};
+use farlight_core::{Region, RegionProblem, TextureUploads, Ticket};
+use farlight_gi_solver::{
+    atlas::{PageId, TexelRect},
+    session::Placement,
+};
+
+use crate::{EncodedTile, backend::decode_texel};
+
+/// The lightmaps: pages of texels, and who has which rectangle.
+///
+/// The texels are kept on the CPU too: for switching indirect light off and on, for a GPU that
+/// was lost, and for games and tests that want to read the lighting.
+#[derive(Resource, Default)]
+pub struct GiLightmaps {
+    page_size: u32,
+    max_pages: u32,
+    pages: BTreeMap<PageId, Page>,
+    placements: EntityHashMap<Placement>,
+    /// Placements whose texels are on their way to the GPU.
+    coming: Vec<Coming>,
+    /// Whether the textures hold the texels, or black.
+    shown: bool,
+}
+
+struct Page {
+    image: Handle<Image>,
+    texels: Vec<u8>,
+}
+
+struct Coming {
+    entity: Entity,
+    placement: Placement,
+    /// Shown when this is written.
+    ticket: Ticket,
+    /// Frames to wait: Bevy must have seen a frame without a lightmap before it takes a new place.
+    frames: u8,
+}
+
+/// Bytes of an RGBA half float texel.
+const TEXEL: usize = 8;
+
+impl GiLightmaps {
+    /// Edge of a page in texels.
+    #[must_use]
+    pub fn page_size(&self) -> u32 {
+        self.page_size
+    }
+
+    /// The texture of a page, once something lies on it.
+    #[must_use]
+    pub fn image(&self, page: PageId) -> Option<&Handle<Image>> {
+        self.pages.get(&page).map(|page| &page.image)
+    }
+
+    /// Where a mesh's second UV square lies.
+    #[must_use]
+    pub fn placement(&self, entity: Entity) -> Option<&Placement> {
+        self.placements.get(&entity)
+    }
+
+    /// All meshes that have a place, in no order.
+    pub fn placements(&self) -> impl Iterator<Item = (Entity, &Placement)> {
+        self.placements.iter().map(|(&entity, placement)| (entity, placement))
+    }
+
+    /// The newest value E / π of a texel, whether or not it is written or shown.
+    #[must_use]
+    pub fn texel(&self, page: PageId, x: u32, y: u32) -> Option<Vec3> {
+        let texels = &self.pages.get(&page)?.texels;
+        if x >= self.page_size || y >= self.page_size {
+            return None;
+        }
+        let at = (y as usize * self.page_size as usize + x as usize) * TEXEL;
+        Some(decode_texel(&texels[at..at + TEXEL]))
+    }
+
+    /// Whether the textures hold the lighting, or black because indirect light is switched off.
+    #[must_use]
+    pub fn is_shown(&self) -> bool {
+        self.shown
+    }
+
+    pub(crate) fn configure(&mut self, page_size: u32, max_pages: u32) {
+        self.page_size = page_size;
+        self.max_pages = max_pages;
+    }
+
+    /// Copies a tile into its page and sends it on its way to the GPU. Tiles that don't lie on a
+    /// page are ignored: a backend may be another machine.
+    pub(crate) fn write(
+        &mut self,
+        tile: EncodedTile,
+        images: &mut Assets<Image>,
+        uploads: &TextureUploads,
+    ) -> Result<Option<Ticket>, RegionProblem> {
+        let rect = tile.rect;
+        let size = self.page_size;
+        let fits = rect.x.checked_add(rect.width).is_some_and(|end| end <= size)
+            && rect.y.checked_add(rect.height).is_some_and(|end| end <= size)
+            && tile.texels.len() == rect.width as usize * rect.height as usize * TEXEL
+            && !tile.texels.is_empty()
+            && tile.page.0 < self.max_pages;
+        if !fits {
+            warn!("texels that lie outside of the lightmaps are ignored: {:?} {rect:?}", tile.page);
+            return Ok(None);
+        }
+        let page = self.page(tile.page, images);
+        let row = rect.width as usize * TEXEL;
+        for (y, texels) in tile.texels.chunks_exact(row).enumerate() {
+            let at = ((rect.y as usize + y) * size as usize + rect.x as usize) * TEXEL;
+            page.texels[at..at + row].copy_from_slice(texels);
+        }
+        if !self.shown {
+            return Ok(None);
+        }
+        let image = self.pages[&tile.page].image.id();
+        uploads.write(image, region(rect), tile.texels).map(Some)
+    }
+
+    fn page(&mut self, id: PageId, images: &mut Assets<Image>) -> &mut Page {
+        let size = self.page_size;
+        self.pages.entry(id).or_insert_with(|| Page {
+            image: images.add(page_image(size)),
+            texels: vec![0; size as usize * size as usize * TEXEL],
+        })
+    }
+
+    /// A place for a mesh, shown when `ticket` is written.
+    pub(crate) fn place(
+        &mut self,
+        entity: Entity,
+        placement: Placement,
+        ticket: Ticket,
+        images: &mut Assets<Image>,
+    ) {
+        if placement.page.0 >= self.max_pages {
+            warn!("a lightmap's place on a page that doesn't exist is ignored");
+            return;
+        }
+        self.page(placement.page, images);
+        self.coming.retain(|coming| coming.entity != entity);
+        self.coming.push(Coming { entity, placement, ticket, frames: 0 });
+    }
+
+    /// Switches between the texels and black, at once: the whole pages are written.
+    pub(crate) fn show(&mut self, shown: bool, uploads: &TextureUploads) {
+        if shown == self.shown {
+            return;
+        }
+        self.shown = shown;
+        self.write_all(uploads);
+        uploads.write_all_next_frame();
+    }
+
+    /// Writes all pages, for example into new textures.
+    pub(crate) fn write_all(&self, uploads: &TextureUploads) {
+        let size = self.page_size;
+        let whole = TexelRect { x: 0, y: 0, width: size, height: size };
+        for page in self.pages.values() {
+            let texels = if self.shown { page.texels.clone() } else { vec![0; page.texels.len()] };
+            if let Err(problem) = uploads.write(page.image.id(), region(whole), texels) {
+                warn!("a lightmap page can't be written: {problem}");
+            }
+        }
+    }
+
+    /// Inserts and removes `Lightmap` components.
+    ///
+    /// Bevy takes a lightmap's place only once, and chooses the pipeline when the material
+    /// changes: so a component that comes or goes marks the material as changed in the same frame,
+    /// and one that moves is gone for a frame. This must run before Bevy looks for changed materials.
+    pub(crate) fn apply(
+        &mut self,
+        commands: &mut Commands,
+        materials: &mut Query<&mut MeshMaterial3d<StandardMaterial>>,
+        unlit: &EntityHashSet,
+        done: Ticket,
+    ) {
+        for &entity in unlit {
+            self.coming.retain(|coming| coming.entity != entity);
+            if self.placements.remove(&entity).is_some() {
+                remove_lightmap(commands, materials, entity);
+            }
+        }
+        let size = self.page_size as f32;
+        let (placements, pages) = (&mut self.placements, &self.pages);
+        self.coming.retain_mut(|coming| {
+            if coming.ticket > done {
+                return true;
+            }
+            if coming.frames > 0 {
+                coming.frames -= 1;
+                return true;
+            }
+            let entity = coming.entity;
+            if let Some(old) = placements.get(&entity) {
+                if *old == coming.placement {
+                    return false;
+                }
+                placements.remove(&entity);
+                remove_lightmap(commands, materials, entity);
+                coming.frames = 1;
+                return true;
+            }
+            let (Some(page), Ok(mut material)) =
+                (pages.get(&coming.placement.page), materials.get_mut(entity))
+            else {
+                return false;
+            };
+            let rect = coming.placement.rect;
+            let (min, max) = (
+                Vec2::new(rect.x as f32, rect.y as f32),
+                Vec2::new((rect.x + rect.width) as f32, (rect.y + rect.height) as f32),
+            );
+            commands.entity(entity).try_insert(Lightmap {
+                image: page.image.clone(),
+                uv_rect: Rect::from_corners(min / size, max / size),
+                bicubic_sampling: false,
+            });
+            material.set_changed();
+            placements.insert(entity, coming.placement);
+            false
+        });
+    }
+
+    /// Forgets all pages and places, for a backend that starts anew.
+    pub(crate) fn clear(
+        &mut self,
+        commands: &mut Commands,
+        materials: &mut Query<&mut MeshMaterial3d<StandardMaterial>>,
+        uploads: &TextureUploads,
+    ) {
+        for (entity, _) in self.placements.drain() {
+            remove_lightmap(commands, materials, entity);
+        }
+        self.coming.clear();
+        for page in self.pages.values() {
+            uploads.forget(page.image.id());
+        }
+        self.pages.clear();
+    }
+}
+
+fn remove_lightmap(
+    commands: &mut Commands,
+    materials: &mut Query<&mut MeshMaterial3d<StandardMaterial>>,
+    entity: Entity,
+) {
+    // The entity may be despawned.
+    if let Ok(mut material) = materials.get_mut(entity) {
+        material.set_changed();
+        commands.entity(entity).try_remove::<Lightmap>();
+    }
+}
+
+fn region(rect: TexelRect) -> Region {
+    Region { origin: UVec3::new(rect.x, rect.y, 0), size: UVec3::new(rect.width, rect.height, 1) }
+}
+
+/// A black page that only the GPU holds and that is never replaced: texels are written into it.
+fn page_image(size: u32) -> Image {
+    let mut image = Image::new_uninit(
+        Extent3d { width: size, height: size, depth_or_array_layers: 1 },
+        TextureDimension::D2,
+        TextureFormat::Rgba16Float,
+        RenderAssetUsages::RENDER_WORLD,
+    );
+    image.texture_descriptor.label = Some("farlight lightmap page");
+    image.sampler = ImageSampler::linear();
+    image
+}
