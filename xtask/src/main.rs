@@ -5,6 +5,7 @@
 //! an argument vector, so it behaves the same on every system and with every folder name.
 
 mod args;
+mod assets;
 mod bench;
 mod ci;
 mod demo;
@@ -33,6 +34,7 @@ cargo xtask COMMAND [OPTIONS]
   bench    rays per second beside Embree; `bench soak`: ten minutes of the demo, watching memory
   setup    only look for missing system packages, and install them
   prune    bound the size of a build folder that several checkouts share
+  assets   write the scene in assets/ that this project makes itself, or check it
 
 demo, test, ci and bench begin with what setup does; --no-install makes them print what is missing
 and go on. `cargo xtask COMMAND --help` says more.
@@ -51,6 +53,7 @@ fn main() -> ExitCode {
         "bench" => (bench::HELP, bench::run),
         "setup" => (setup::HELP, setup::run),
         "prune" => (prune::HELP, prune::run),
+        "assets" => (assets::HELP, assets::run),
         "help" => (HELP, |_| {
             print!("{HELP}");
             Ok(())
