@@ -56,52 +56,78 @@ static COMPACT: [[u8; WIDTH]; 256] = {
 
 /// One ray's constants in all lanes.
 #[derive(Clone, Copy)]
-struct Avx2 {
+pub(super) struct Avx2 {
     inverse: [__m256; 3],
     near: [__m256; 3],
     far: [__m256; 3],
     t_min: __m256,
-    t_max: __m256,
+    pub(super) t_max: __m256,
     origin: [__m128; 3],
     shear: [__m128; 2],
 }
 
 impl Avx2 {
-    /// Entry distances, and which of the eight boxes the ray meets.
+    /// Where the ray enters and leaves the eight boxes.
     #[inline(always)]
-    unsafe fn slabs(&self, ray: &Prepared, node: &Node, limit: __m256) -> (__m256, __m256) {
-        // SAFETY: the rows are below 6; the features are the trait's promise.
+    pub(super) unsafe fn slabs(
+        &self,
+        ray: &Prepared,
+        node: &Node,
+        limit: __m256,
+    ) -> (__m256, __m256) {
+        // SAFETY: the rows are the node's; the features are the trait's promise.
         unsafe {
-            let plane = |row: usize| _mm256_load_ps(node.bounds.get_unchecked(row).as_ptr());
-            let near =
-                |a: usize| _mm256_fmadd_ps(plane(ray.near_row[a]), self.inverse[a], self.near[a]);
-            let far =
-                |a: usize| _mm256_fmadd_ps(plane(ray.far_row[a]), self.inverse[a], self.far[a]);
-            let enter =
-                _mm256_max_ps(_mm256_max_ps(near(0), near(1)), _mm256_max_ps(near(2), self.t_min));
-            let leave = _mm256_min_ps(_mm256_min_ps(far(0), far(1)), _mm256_min_ps(far(2), limit));
-            (enter, _mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave))
+            let bounds = node.bounds.as_ptr().cast::<f32>();
+            let near = |a: usize| {
+                let plane = _mm256_load_ps(bounds.add(ray.near_row[a]));
+                _mm256_fmadd_ps(plane, self.inverse[a], self.near[a])
+            };
+            let far = |a: usize| {
+                let plane = _mm256_load_ps(bounds.add(ray.far_row[a]));
+                _mm256_fmadd_ps(plane, self.inverse[a], self.far[a])
+            };
+            let enter = _mm256_max_ps(near(0), near(1));
+            let enter = _mm256_max_ps(enter, _mm256_max_ps(near(2), self.t_min));
+            let leave = _mm256_min_ps(far(0), far(1));
+            let leave = _mm256_min_ps(leave, _mm256_min_ps(far(2), limit));
+            (enter, leave)
+        }
+    }
+
+    /// A row of corners relative to the ray's origin.
+    #[inline(always)]
+    unsafe fn row(&self, ray: &Prepared, corner: &[[f32; LANES]; 3], axis: usize) -> __m128 {
+        // SAFETY: the row is the corner's; the features are the trait's promise.
+        unsafe {
+            let row = corner.as_ptr().cast::<f32>().add(ray.corner_row[axis]);
+            _mm_sub_ps(_mm_load_ps(row), self.origin[axis])
+        }
+    }
+
+    /// A corner of all triangles relative to the ray, sheared so that the ray is the third axis.
+    #[inline(always)]
+    unsafe fn corner(
+        &self,
+        ray: &Prepared,
+        corner: &[[f32; LANES]; 3],
+    ) -> (__m128, __m128, __m128) {
+        // SAFETY: the features are the trait's promise.
+        unsafe {
+            let z = self.row(ray, corner, 2);
+            let x = _mm_sub_ps(self.row(ray, corner, 0), _mm_mul_ps(self.shear[0], z));
+            let y = _mm_sub_ps(self.row(ray, corner, 1), _mm_mul_ps(self.shear[1], z));
+            (x, y, z)
         }
     }
 
     /// Edge functions, twice the signed area, distance, and the lanes that may be hit.
     #[inline(always)]
     unsafe fn edges(&self, ray: &Prepared, pack: &Pack, limit: f32) -> Edges {
-        // SAFETY: the axes are below 3; the features are the trait's promise.
+        // SAFETY: the features are the trait's promise.
         unsafe {
-            let corner = |c: usize| {
-                let p = |k: usize| {
-                    let row = pack.corner[c].get_unchecked(ray.axis[k]);
-                    _mm_sub_ps(_mm_load_ps(row.as_ptr()), self.origin[k])
-                };
-                let z = p(2);
-                let x = _mm_sub_ps(p(0), _mm_mul_ps(self.shear[0], z));
-                let y = _mm_sub_ps(p(1), _mm_mul_ps(self.shear[1], z));
-                (x, y, z)
-            };
-            let (ax, ay, az) = corner(0);
-            let (bx, by, bz) = corner(1);
-            let (cx, cy, cz) = corner(2);
+            let (ax, ay, az) = self.corner(ray, &pack.corner[0]);
+            let (bx, by, bz) = self.corner(ray, &pack.corner[1]);
+            let (cx, cy, cz) = self.corner(ray, &pack.corner[2]);
             // Not fused: the sign must flip exactly when the edge's corners are swapped.
             let u = _mm_sub_ps(_mm_mul_ps(cx, by), _mm_mul_ps(cy, bx));
             let v = _mm_sub_ps(_mm_mul_ps(ax, cy), _mm_mul_ps(ay, cx));
@@ -144,7 +170,7 @@ struct Edges {
 }
 
 #[repr(C, align(32))]
-struct Sorted([Child; WIDTH]);
+pub(super) struct Sorted(pub(super) [Child; WIDTH]);
 
 #[repr(C, align(16))]
 struct Lanes([f32; LANES]);
@@ -185,7 +211,8 @@ impl Kernel for Avx2 {
     ) -> (usize, Child) {
         // SAFETY: there is room for eight; the features are the trait's promise.
         unsafe {
-            let (enter, met) = self.slabs(ray, node, _mm256_set1_ps(limit));
+            let (enter, leave) = self.slabs(ray, node, _mm256_set1_ps(limit));
+            let met = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave);
             let order = _mm256_load_si256(node.order.as_ptr().cast());
             let order = _mm256_srl_epi32(order, _mm_cvtsi32_si128(ray.order_shift as i32));
             let children = _mm256_load_si256(node.child.as_ptr().cast());
@@ -212,19 +239,15 @@ impl Kernel for Avx2 {
     ) -> (usize, Child) {
         // SAFETY: there is room for eight; the features are the trait's promise.
         unsafe {
-            let (_, met) = self.slabs(ray, node, self.t_max);
-            let order = _mm256_load_si256(node.order.as_ptr().cast());
-            let order = _mm256_srl_epi32(order, _mm_cvtsi32_si128(ray.order_shift as i32));
-            let children = _mm256_load_si256(node.child.as_ptr().cast());
-            let children = _mm256_permutevar8x32_epi32(children, order);
-            let mut sorted = Sorted([Child(0); WIDTH]);
-            _mm256_store_si256(sorted.0.as_mut_ptr().cast(), children);
-            let mask = _mm256_movemask_ps(_mm256_permutevar8x32_ps(met, order)) as u32;
-            let nearest = *sorted.0.get_unchecked(31 - (mask | 1).leading_zeros() as usize);
+            let (enter, leave) = self.slabs(ray, node, self.t_max);
+            let met = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave);
+            let mask = _mm256_movemask_ps(met) as u32;
+            let last = *node.child.get_unchecked(31 - (mask | 1).leading_zeros() as usize);
             let compact = _mm_loadl_epi64(COMPACT.get_unchecked(mask as usize).as_ptr().cast());
             let compact = _mm256_cvtepu8_epi32(compact);
+            let children = _mm256_load_si256(node.child.as_ptr().cast());
             _mm256_storeu_si256(child.cast(), _mm256_permutevar8x32_epi32(children, compact));
-            (mask.count_ones() as usize, nearest)
+            (mask.count_ones() as usize, last)
         }
     }
 

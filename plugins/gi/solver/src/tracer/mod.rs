@@ -2,6 +2,8 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 mod build;
 mod collapse;
 mod node;
@@ -76,17 +78,27 @@ pub struct Tracer {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Instructions {
     #[cfg(target_arch = "x86_64")]
+    Avx512,
+    #[cfg(target_arch = "x86_64")]
     Avx2,
     Portable,
 }
 
 impl Instructions {
-    fn best() -> Self {
+    /// What this processor can run, best first.
+    fn available() -> Vec<Self> {
+        let mut all = Vec::new();
         #[cfg(target_arch = "x86_64")]
-        if avx2::available() {
-            return Self::Avx2;
+        {
+            if avx512::available() {
+                all.push(Self::Avx512);
+            }
+            if avx2::available() {
+                all.push(Self::Avx2);
+            }
         }
-        Self::Portable
+        all.push(Self::Portable);
+        all
     }
 }
 
@@ -95,7 +107,7 @@ impl Tracer {
     /// beyond 1e12 are never hit.
     #[must_use]
     pub fn new(triangles: &[[Vec3; 3]]) -> Self {
-        Self { tree: build::build(triangles), instructions: Instructions::best() }
+        Self { tree: build::build(triangles), instructions: Instructions::available()[0] }
     }
 
     /// Bytes of the acceleration structure.
@@ -110,7 +122,10 @@ impl Tracer {
     pub fn closest(&self, ray: &Ray) -> Hit {
         match self.instructions {
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: `Instructions::best` has asked the processor.
+            // SAFETY: `Instructions::available` has asked the processor.
+            Instructions::Avx512 => unsafe { avx512::closest(&self.tree, ray) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `Instructions::available` has asked the processor.
             Instructions::Avx2 => unsafe { avx2::closest(&self.tree, ray) },
             Instructions::Portable => portable::closest(&self.tree, ray),
         }
@@ -122,7 +137,10 @@ impl Tracer {
     pub fn occluded(&self, ray: &Ray) -> bool {
         match self.instructions {
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: `Instructions::best` has asked the processor.
+            // SAFETY: `Instructions::available` has asked the processor.
+            Instructions::Avx512 => unsafe { avx512::occluded(&self.tree, ray) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `Instructions::available` has asked the processor.
             Instructions::Avx2 => unsafe { avx2::occluded(&self.tree, ray) },
             Instructions::Portable => portable::occluded(&self.tree, ray),
         }

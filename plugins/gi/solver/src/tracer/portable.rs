@@ -27,8 +27,8 @@ fn slabs(ray: &Prepared, node: &Node, limit: f32) -> ([f32; WIDTH], u32) {
     let mut enter = [ray.t_min; WIDTH];
     let mut leave = [limit; WIDTH];
     for a in 0..3 {
-        let near = &node.bounds[ray.near_row[a]];
-        let far = &node.bounds[ray.far_row[a]];
+        let near = &node.bounds[ray.near_row[a] / WIDTH];
+        let far = &node.bounds[ray.far_row[a] / WIDTH];
         for i in 0..WIDTH {
             enter[i] = max(near[i] * ray.inverse[a] + ray.near[a], enter[i]);
             leave[i] = min(far[i] * ray.inverse[a] + ray.far[a], leave[i]);

@@ -1,6 +1,9 @@
 //! What is computed once for a ray.
 
-use super::Ray;
+use super::{
+    Ray,
+    node::{LANES, WIDTH},
+};
 
 /// Rays and triangles with a coordinate beyond this are left out, so that no product of the
 /// triangle test overflows.
@@ -21,12 +24,14 @@ pub(super) struct Prepared {
     pub(super) near: [f32; 3],
     /// ... and towards its end.
     pub(super) far: [f32; 3],
-    /// Rows of `Node::bounds` in which the ray enters, by axis.
+    /// Where in `Node::bounds` the rows begin through which the ray enters, by axis.
     pub(super) near_row: [usize; 3],
-    /// Rows in which it leaves.
+    /// The same for leaving.
     pub(super) far_row: [usize; 3],
     /// The axes, that of the largest component last.
     pub(super) axis: [usize; 3],
+    /// Where in a corner of a `Pack` the rows of these axes begin.
+    pub(super) corner_row: [usize; 3],
     /// Slopes of the two other axes.
     pub(super) shear: [f32; 2],
     /// Sign of the largest component.
@@ -78,8 +83,8 @@ impl Prepared {
             near[a] = -origin[a] * i - pad * magnitude;
             far[a] = -origin[a] * i + pad * magnitude;
             let negative = direction[a].to_bits() >> 31;
-            near_row[a] = a + 3 * negative as usize;
-            far_row[a] = a + 3 - 3 * negative as usize;
+            near_row[a] = (a + 3 * negative as usize) * WIDTH;
+            far_row[a] = (a + 3 - 3 * negative as usize) * WIDTH;
             order_shift |= negative << a;
         }
         Some(Self {
@@ -90,6 +95,7 @@ impl Prepared {
             near_row,
             far_row,
             axis: [x, y, z],
+            corner_row: [x * LANES, y * LANES, z * LANES],
             shear: [direction[x] / direction[z], direction[y] / direction[z]],
             sign: 1.0f32.copysign(direction[z]),
             order_shift: 3 * order_shift,
