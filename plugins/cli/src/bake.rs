@@ -127,6 +127,7 @@ pub(crate) fn run(args: &Args) -> Result<(), CliError> {
     if let Some(radiance) = args.sky {
         imported.scene.sky = Sky::Constant(radiance);
     }
+    Output::check_writable(&args.result)?;
     let world = World::new(&imported.scene);
 
     let settings = GatherSettings { paths: args.samples, seed: args.seed };

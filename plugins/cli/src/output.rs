@@ -3,7 +3,7 @@
 use std::{
     fs,
     io::{BufWriter, Write},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 use farlight_gi_solver::{probe::ProbeLight, receiver::ReceiverLight, sh::ShRgb};
@@ -76,14 +76,20 @@ impl Output {
         Ok(Self { surface, probes, visibility: visibility.into_iter().map(u8::from).collect() })
     }
 
+    /// Finds out whether [`write`](Self::write) will be able to, before hours of work.
+    pub(crate) fn check_writable(path: &Path) -> Result<(), CliError> {
+        if path.is_dir() {
+            return Err(CliError::new(format!("{}: is a folder", path.display())));
+        }
+        let part = part_of(path)?;
+        fs::File::create(&part)
+            .and_then(|_| fs::remove_file(&part))
+            .map_err(|error| CliError::io(path, "written", &error))
+    }
+
     /// Writes the file whole or not at all: into a file beside it that is then renamed.
     pub(crate) fn write(&self, path: &Path) -> Result<(), CliError> {
-        let Some(name) = path.file_name() else {
-            return Err(CliError::new(format!("{}: is not a file name", path.display())));
-        };
-        let mut part = name.to_owned();
-        part.push(format!(".part{}", std::process::id()));
-        let part = path.with_file_name(part);
+        let part = part_of(path)?;
         let written = (|| {
             let mut file = BufWriter::new(fs::File::create(&part)?);
             serde_json::to_writer(&mut file, self)?;
@@ -97,4 +103,14 @@ impl Output {
             CliError::io(path, "written", &error)
         })
     }
+}
+
+/// The file beside `path` that a result is written into first.
+fn part_of(path: &Path) -> Result<PathBuf, CliError> {
+    let Some(name) = path.file_name() else {
+        return Err(CliError::new(format!("{}: is not a file name", path.display())));
+    };
+    let mut part = name.to_owned();
+    part.push(format!(".part{}", std::process::id()));
+    Ok(path.with_file_name(part))
 }
