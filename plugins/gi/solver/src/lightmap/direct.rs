@@ -27,8 +27,10 @@ pub(crate) struct Direct {
 }
 
 impl Direct {
-    /// Takes the lights of a scene over; terms that stay valid are kept.
-    pub(crate) fn set_lights(&mut self, lights: &BTreeMap<LightId, Light>) {
+    /// Takes the lights of a scene over; terms that stay valid are kept. Returns whether any changed.
+    pub(crate) fn set_lights(&mut self, lights: &BTreeMap<LightId, Light>) -> bool {
+        let same = self.terms.len() == lights.len()
+            && self.terms.iter().zip(lights).all(|(a, b)| a.0 == b.0 && a.1.light == *b.1);
         self.terms.retain(|id, _| lights.contains_key(id));
         for (id, light) in lights {
             let term = self
@@ -39,6 +41,14 @@ impl Direct {
                 term.factor.clear();
             }
             term.light = *light;
+        }
+        !same
+    }
+
+    /// Forgets what depends on geometry.
+    pub(crate) fn invalidate(&mut self) {
+        for term in self.terms.values_mut() {
+            term.factor.clear();
         }
     }
 

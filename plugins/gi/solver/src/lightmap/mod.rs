@@ -25,6 +25,7 @@ pub(crate) mod lighting;
 mod patches;
 mod raster;
 mod sequence;
+mod sky;
 mod transport;
 
 pub(crate) use grids::GridState;

@@ -164,6 +164,16 @@ impl Patches {
         }
     }
 
+    /// The patch of what was met, if it exists.
+    pub(crate) fn find(&self, met: Met) -> Option<u32> {
+        match met {
+            Met::Sky => None,
+            Met::Front(texel) => Some(texel),
+            Met::Back(texel) => Some(self.backs[texel as usize]).filter(|b| *b != NONE),
+            Met::Surfel(key) => self.surfels.get(&key).copied(),
+        }
+    }
+
     fn room(&self) -> Option<u32> {
         (self.len() - self.fronts < 2 * MANY).then_some(self.len() as u32)
     }

@@ -1,7 +1,7 @@
 //! Rays that are traced once while the geometry stays, and what each of them met.
 //!
 //! Every patch owns a scrambled (0, 2)-sequence of cosine-distributed directions. It is traced in
-//! blocks (32 rays, then as many as there are already), so that after each block the rays so far are a
+//! blocks (16 rays, then as many as there are already), so that after each block the rays so far are a
 //! well-spread set. A ray is remembered as the number of the patch that it met, four bytes; light that
 //! changes asks for no ray again.
 
@@ -15,7 +15,7 @@ use super::{
 use crate::{Hit, Ray, World, visibility::offset_origin};
 
 /// Rays of the first block.
-pub(crate) const FIRST_BLOCK: u32 = 32;
+pub(crate) const FIRST_BLOCK: u32 = 16;
 
 /// Where a family of rays starts.
 #[derive(Clone, Copy)]
@@ -75,7 +75,7 @@ impl Block {
         let frozen = &*patches;
         rays.par_chunks_mut(count).zip(origins).with_min_len(8).enumerate().for_each(
             |(i, (out, origin))| {
-                let seed = hash2(seed, (start + i) as u32);
+                let seed = family_seed(seed, start + i);
                 for (j, out) in out.iter_mut().enumerate() {
                     let ray = family_ray(origin, self.first + j as u32, seed);
                     let hit = world.closest(&ray);
@@ -119,8 +119,13 @@ impl Block {
     }
 }
 
+/// The seed of an origin's family.
+pub(crate) fn family_seed(seed: u32, origin: usize) -> u32 {
+    hash2(seed, origin as u32)
+}
+
 /// Ray `index` of an origin's family.
-fn family_ray(origin: &Origin, index: u32, seed: u32) -> Ray {
+pub(crate) fn family_ray(origin: &Origin, index: u32, seed: u32) -> Ray {
     match *origin {
         Origin::Surface(position, normal) => {
             Ray::new(offset_origin(position, normal), cosine_direction(sobol(index, seed), normal))

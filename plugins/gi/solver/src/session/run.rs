@@ -233,7 +233,11 @@ impl Session {
             self.dirty.light = true;
             return None;
         }
-        self.tell_converged()
+        match lighting.refine(self.settings.converged_paths) {
+            Some(true) => self.publish(),
+            Some(false) => None,
+            None => self.tell_converged(),
+        }
     }
 
     /// Whether [`step`](Self::step) has nothing to do until something changes.
@@ -290,7 +294,7 @@ impl Session {
             state.invalidate();
             lighting.grids.push(state);
         }
-        if let Some(old) = &old {
+        if let Some(old) = &mut old {
             lighting.start_from(old);
         }
         lighting.set_lights(&self.scene);

@@ -1,0 +1,80 @@
+//! A sky for few rays.
+
+use std::{f32::consts::PI, sync::Arc};
+
+use glam::Vec3;
+
+use crate::scene::{Sky, SkyImage};
+
+/// Columns of the soft image; half as many rows. A texel is about what one of a thousand rays of a
+/// hemisphere stands for.
+const WIDTH: u32 = 64;
+
+/// The sky averaged over areas of about six degrees, so that a sun which few rays would find
+/// reaches them all. What surfaces and probes gather from it stays the same in sum; shadows of the
+/// sun are blurred by as much.
+pub(crate) fn soft(sky: &Sky) -> Sky {
+    let Sky::Image { image, rotation, scale } = sky else { return sky.clone() };
+    if image.width <= WIDTH || image.height <= WIDTH / 2 {
+        return sky.clone();
+    }
+    let height = WIDTH / 2;
+    let mut texels = vec![Vec3::ZERO; (WIDTH * height) as usize];
+    let mut weights = vec![0.0_f32; texels.len()];
+    for y in 0..image.height {
+        // Solid angle of the row's texels, up to a factor.
+        let solid = ((y as f32 + 0.5) / image.height as f32 * PI).sin();
+        let row = (u64::from(y) * u64::from(height) / u64::from(image.height)) as u32;
+        for x in 0..image.width {
+            let column = (u64::from(x) * u64::from(WIDTH) / u64::from(image.width)) as u32;
+            let to = (row * WIDTH + column) as usize;
+            texels[to] += image.texels[(y * image.width + x) as usize] * solid;
+            weights[to] += solid;
+        }
+    }
+    for (texel, weight) in texels.iter_mut().zip(weights) {
+        *texel /= weight;
+    }
+    let image = Arc::new(SkyImage { width: WIDTH, height, texels });
+    Sky::Image { image, rotation: *rotation, scale: *scale }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Quat;
+
+    use super::*;
+    use crate::lightmap::sequence::{sobol, sphere_direction};
+
+    #[test]
+    fn the_flux_stays() {
+        let (width, height) = (256, 128);
+        let mut texels = vec![Vec3::splat(0.5); (width * height) as usize];
+        texels[30 * 256 + 100] = Vec3::new(9000.0, 8000.0, 7000.0);
+        let image = Arc::new(SkyImage { width, height, texels });
+        let sky = Sky::Image { image, rotation: Quat::IDENTITY, scale: 2.0 };
+        // Exact integral of the sharp sky against cos^2 of the angle to an axis, texel by texel.
+        let axis = Vec3::new(0.3, 0.8, 0.5).normalize();
+        let Sky::Image { image, .. } = &sky else { unreachable!() };
+        let mut sharp = Vec3::ZERO;
+        for y in 0..height {
+            let theta = (y as f32 + 0.5) / height as f32 * PI;
+            for x in 0..width {
+                let phi = ((x as f32 + 0.5) / width as f32 - 0.5) * 2.0 * PI;
+                let d = Vec3::new(theta.sin() * phi.sin(), theta.cos(), -theta.sin() * phi.cos());
+                let solid = theta.sin() * (PI / height as f32) * (2.0 * PI / width as f32);
+                sharp += image.texels[(y * width + x) as usize] * solid * d.dot(axis).powi(2) * 2.0;
+            }
+        }
+        let soft = soft(&sky);
+        let n = 1 << 16;
+        let sum: Vec3 = (0..n)
+            .map(|i| {
+                let d = sphere_direction(sobol(i, 1));
+                soft.radiance(d) * d.dot(axis).powi(2)
+            })
+            .sum();
+        let blurred = sum * (4.0 * PI / n as f32);
+        assert!((blurred / sharp - 1.0).abs().max_element() < 0.03, "{blurred} {sharp}");
+    }
+}
