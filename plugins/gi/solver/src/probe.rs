@@ -8,13 +8,16 @@ use rayon::prelude::*;
 use crate::{
     World,
     estimate::{Estimate, GatherSettings, Progress, estimate},
-    path::trace_path,
+    path::PathTracer,
     sampling::uniform_sphere,
     sh::{ShRgb, sh_basis},
 };
 
 /// Keeps the random numbers of probes apart from those of receivers.
 const STREAM: u64 = 1 << 63;
+
+/// Density per solid angle of its directions.
+const PDF: f32 = 1.0 / (4.0 * PI);
 
 /// Incident radiance at a probe.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -33,7 +36,7 @@ pub struct ProbeLight {
 /// equal streams and seeds give equal results. `None` if `progress` stopped the work.
 #[must_use]
 pub fn gather_probe(
-    world: &World,
+    tracer: &PathTracer<'_>,
     position: Vec3,
     settings: &GatherSettings,
     stream: u64,
@@ -42,12 +45,14 @@ pub fn gather_probe(
     let estimates: [Estimate; 18] =
         estimate(settings, STREAM | stream, progress, |sampler, sums: &mut [DVec3; 18]| {
             let direction = uniform_sphere(sampler.next_2d());
-            let arriving = trace_path(world, position, direction, sampler);
-            for (i, y) in sh_basis(direction).into_iter().enumerate() {
-                let weight = 4.0 * PI * y;
-                sums[i] += (arriving.indirect * weight).as_dvec3();
-                sums[9 + i] += (arriving.sky * weight).as_dvec3();
+            if let Some(toward) = tracer.toward_emitter(position, sampler, |_| PDF) {
+                add(sums, toward.direction, toward.weighted, Vec3::ZERO);
             }
+            if let Some(toward) = tracer.toward_sky(position, sampler, |_| PDF) {
+                add(sums, toward.direction, Vec3::ZERO, toward.weighted);
+            }
+            let arriving = tracer.trace_weighed(position, direction, Some(PDF), sampler);
+            add(sums, direction, arriving.indirect / PDF, arriving.sky / PDF);
         })?;
     let part = |first: usize, f: fn(&Estimate) -> Vec3| {
         ShRgb(std::array::from_fn(|i| f(&estimates[first + i])))
@@ -60,6 +65,15 @@ pub fn gather_probe(
     })
 }
 
+/// Adds light from one direction, already divided by its density, to the coefficients of indirect
+/// light and of the sky.
+fn add(sums: &mut [DVec3; 18], direction: Vec3, indirect: Vec3, sky: Vec3) {
+    for (i, y) in sh_basis(direction).into_iter().enumerate() {
+        sums[i] += (indirect * y).as_dvec3();
+        sums[9 + i] += (sky * y).as_dvec3();
+    }
+}
+
 /// Gathers many probes, on all threads of the current rayon pool. The result depends on the seed
 /// and on each probe's place in the list, not on the number of threads. `None` if `progress`
 /// stopped the work.
@@ -70,9 +84,10 @@ pub fn gather_probes(
     settings: &GatherSettings,
     progress: Progress<'_>,
 ) -> Option<Vec<ProbeLight>> {
+    let tracer = PathTracer::new(world);
     positions
         .par_iter()
         .enumerate()
-        .map(|(i, position)| gather_probe(world, *position, settings, i as u64, progress))
+        .map(|(i, position)| gather_probe(&tracer, *position, settings, i as u64, progress))
         .collect()
 }

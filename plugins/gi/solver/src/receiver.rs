@@ -1,6 +1,6 @@
 //! Irradiance at arbitrary points.
 
-use std::f32::consts::PI;
+use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::{
     World,
     estimate::{Estimate, GatherSettings, Progress, estimate},
-    path::{direct_irradiance, trace_path},
+    path::{PathTracer, direct_irradiance},
     sampling::{Frame, cosine_hemisphere},
 };
 
@@ -55,22 +55,32 @@ impl Receiver {
     #[must_use]
     pub fn gather(
         &self,
-        world: &World,
+        tracer: &PathTracer<'_>,
         settings: &GatherSettings,
         stream: u64,
         progress: Progress<'_>,
     ) -> Option<ReceiverLight> {
         let (origin, frame) = (self.origin(), Frame::new(self.normal));
+        let cosine_pdf = |d: Vec3| self.normal.dot(d).max(0.0) * FRAC_1_PI;
         // Directions have density cos θ / π, so E = π times the mean radiance.
         let [mut direct, indirect, one_bounce] =
             estimate(settings, stream, progress, |sampler, sums| {
-                let direction = frame.to_world(cosine_hemisphere(sampler.next_2d()));
-                let arriving = trace_path(world, origin, direction, sampler);
-                sums[0] += (arriving.sky * PI).as_dvec3();
-                sums[1] += (arriving.indirect * PI).as_dvec3();
-                sums[2] += (arriving.one_bounce * PI).as_dvec3();
+                let local = cosine_hemisphere(sampler.next_2d());
+                let (mut sky, mut emitted) = (Vec3::ZERO, Vec3::ZERO);
+                if let Some(toward) = tracer.toward_emitter(origin, sampler, cosine_pdf) {
+                    emitted = toward.weighted * self.normal.dot(toward.direction);
+                }
+                if let Some(toward) = tracer.toward_sky(origin, sampler, cosine_pdf) {
+                    sky = toward.weighted * self.normal.dot(toward.direction);
+                }
+                let pdf = Some(local.z * FRAC_1_PI);
+                let arriving = tracer.trace_weighed(origin, frame.to_world(local), pdf, sampler);
+                sky += arriving.sky * PI;
+                sums[0] += sky.as_dvec3();
+                sums[1] += (arriving.indirect * PI + emitted).as_dvec3();
+                sums[2] += (arriving.one_bounce * PI + emitted).as_dvec3();
             })?;
-        direct.mean += self.direct(world);
+        direct.mean += self.direct(tracer.world());
         Some(ReceiverLight { direct, indirect, one_bounce })
     }
 }
@@ -85,9 +95,10 @@ pub fn gather_receivers(
     settings: &GatherSettings,
     progress: Progress<'_>,
 ) -> Option<Vec<ReceiverLight>> {
+    let tracer = PathTracer::new(world);
     receivers
         .par_iter()
         .enumerate()
-        .map(|(i, receiver)| receiver.gather(world, settings, i as u64, progress))
+        .map(|(i, receiver)| receiver.gather(&tracer, settings, i as u64, progress))
         .collect()
 }

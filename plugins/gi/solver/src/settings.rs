@@ -37,7 +37,8 @@ pub struct GiSettings {
     /// Most memory for kept rays in MiB, 1 to 1048576; `rays_per_texel` is lowered to stay below.
     /// Default 256.
     pub ray_memory_mib: u32,
-    /// Reflections of light that are followed while light moves, 1 to 64. Default 8.
+    /// Reflections of light that are followed while light moves, 1 to 64 (from 6 on, all are).
+    /// Default 8.
     pub bounces: u32,
     /// Paths a texel after which a still scene counts as converged and work stops, 64 to 16777216.
     /// The noise falls with its square root. Default 4096.

@@ -7,14 +7,14 @@ use super::{
     sobol::{owen_scramble, sobol_owen_4d},
 };
 
-/// Directions that come from low-discrepancy points; later ones are independent numbers.
-const STRATIFIED_PAIRS: u32 = 8;
+/// Points that come from low-discrepancy points; later ones are independent numbers.
+const STRATIFIED_PAIRS: u32 = 16;
 
 /// Gives one path its random numbers.
 ///
 /// Path `index` of a set of `2^set_log2` paths takes its first direction and the second from one
 /// point of an Owen-scrambled Sobol set, the third and fourth from another such set in shuffled
-/// order, and so on ("padding", Kollig and Keller 2002); after eight directions, and for decisions
+/// order, and so on ("padding", Kollig and Keller 2002); after sixteen points, and for decisions
 /// such as Russian roulette, the numbers are independent.
 ///
 /// Sets with different seeds are independent and each is unbiased, so the spread of the means of

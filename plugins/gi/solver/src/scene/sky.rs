@@ -61,15 +61,22 @@ impl Sky {
 }
 
 impl SkyImage {
+    /// Column and row of the texel in a unit direction of the image's own frame. The image must not
+    /// be empty.
+    pub(crate) fn texel_at(&self, d: Vec3) -> (u32, u32) {
+        let u = 0.5 + d.x.atan2(-d.z) / (2.0 * PI);
+        let v = d.y.clamp(-1.0, 1.0).acos() / PI;
+        let x = ((u * self.width as f32) as u32).min(self.width - 1);
+        let y = ((v * self.height as f32) as u32).min(self.height - 1);
+        (x, y)
+    }
+
     /// Nearest texel in a direction of the image's own frame.
     fn sample(&self, d: Vec3) -> Vec3 {
         if self.texels.is_empty() {
             return Vec3::ZERO;
         }
-        let u = 0.5 + d.x.atan2(-d.z) / (2.0 * PI);
-        let v = d.y.clamp(-1.0, 1.0).acos() / PI;
-        let x = ((u * self.width as f32) as u32).min(self.width - 1);
-        let y = ((v * self.height as f32) as u32).min(self.height - 1);
+        let (x, y) = self.texel_at(d);
         self.texels[(y * self.width + x) as usize]
     }
 }

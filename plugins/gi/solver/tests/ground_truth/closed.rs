@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use farlight_gi_solver::{
     World,
     estimate::{Estimate, no_progress},
+    path::PathTracer,
     receiver::Receiver,
     sampling::Rng,
 };
@@ -38,7 +39,8 @@ fn furnace() {
         Receiver { position: Vec3::new(3.0, 0.001, 3.999), normal: -Vec3::X },
         Receiver { position: Vec3::new(1.0, 1.5, 1.0), normal: Vec3::Y },
     ] {
-        let light = receiver.gather(&world, &paths(8192), 0, no_progress()).unwrap();
+        let light =
+            receiver.gather(&PathTracer::new(&world), &paths(8192), 0, no_progress()).unwrap();
         agrees("furnace", light.indirect, PI * emitted / (Vec3::ONE - rho), 0.0);
         agrees("furnace, one bounce", light.one_bounce, PI * emitted * (Vec3::ONE + rho), 0.0);
         assert_eq!(light.direct, Estimate::default());
@@ -57,7 +59,9 @@ fn white_shape_under_the_sky() {
     let world = build.mesh(sphere(Vec3::ONE, 0.4), diffuse(Vec3::ONE)).world();
     for (i, position) in [Vec3::new(0.3, 1.0, 0.0), Vec3::new(1.0, 0.01, 0.0)].iter().enumerate() {
         let receiver = Receiver { position: *position, normal: Vec3::Z };
-        let light = receiver.gather(&world, &paths(8192), i as u64, no_progress()).unwrap();
+        let light = receiver
+            .gather(&PathTracer::new(&world), &paths(8192), i as u64, no_progress())
+            .unwrap();
         // Both parts come from the same paths: what one lacks, the other has. Only Russian
         // roulette adds noise to the sum, which is less than that of the indirect part.
         let sum = Estimate {
@@ -85,7 +89,9 @@ fn integrating_sphere() {
     let step = world.triangle_count() / 7;
     for i in 0..6 {
         let receiver = on_triangle(&world, i * step + 11, Vec3::ZERO);
-        let light = receiver.gather(&world, &paths(8192), i as u64, no_progress()).unwrap();
+        let light = receiver
+            .gather(&PathTracer::new(&world), &paths(8192), i as u64, no_progress())
+            .unwrap();
         agrees("integrating sphere, one bounce", light.one_bounce, one, 1e-3);
         agrees("integrating sphere", light.indirect, all, 1e-3);
         sharp("integrating sphere, one bounce", light.one_bounce, 0.01);
@@ -108,7 +114,8 @@ fn integrating_sphere_with_many_lights() {
     }
     let world = build.world();
     let receiver = on_triangle(&world, 77, Vec3::ZERO);
-    let light = receiver.gather(&world, &paths(16_384), 0, no_progress()).unwrap();
+    let light =
+        receiver.gather(&PathTracer::new(&world), &paths(16_384), 0, no_progress()).unwrap();
     let one = rho * sum / (radius * radius);
     agrees("many lights, one bounce", light.one_bounce, one, 1e-3);
     agrees("many lights", light.indirect, one / (Vec3::ONE - rho), 1e-3);
@@ -144,7 +151,9 @@ fn energy_is_conserved() {
                 let [a, b] = rng.next_2d();
                 let receiver = Receiver { position: wall.positions[0] + u * a + v * b, normal };
                 let stream = (w * each + i) as u64;
-                let light = receiver.gather(&world, &paths(1024), stream, no_progress()).unwrap();
+                let light = receiver
+                    .gather(&PathTracer::new(&world), &paths(1024), stream, no_progress())
+                    .unwrap();
                 let (rho, direct) = (albedos[w], light.direct.mean);
                 flux += rho * direct * areas[w] / each as f32;
                 let lost = (Vec3::ONE - rho) * light.indirect.mean - rho * direct;

@@ -5,6 +5,7 @@ use std::{f32::consts::PI, sync::Arc};
 use farlight_gi_solver::{
     Ray,
     estimate::no_progress,
+    path::PathTracer,
     receiver::Receiver,
     scene::{AlphaMode, Material, Texture, TextureId},
 };
@@ -62,7 +63,7 @@ fn shadow_rays_pass_through_holes_only() {
 fn paths_pass_through_holes() {
     let world = curtain(3, 0.0).sky(Vec3::ONE).world();
     let receiver = Receiver { position: Vec3::new(0.0, 0.98, 0.0), normal: Vec3::Y };
-    let light = receiver.gather(&world, &paths(8192), 0, no_progress()).unwrap();
+    let light = receiver.gather(&PathTracer::new(&world), &paths(8192), 0, no_progress()).unwrap();
     // Beyond 9 m at 2 cm below: less than (0.02 / 9)² of the hemisphere's projection.
     agrees("half the sky", light.direct, Vec3::splat(PI / 2.0), 1e-4);
     assert_eq!(light.indirect.mean, Vec3::ZERO);

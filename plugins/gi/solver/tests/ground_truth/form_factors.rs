@@ -4,6 +4,7 @@ use std::f32::consts::PI;
 
 use farlight_gi_solver::{
     estimate::{Estimate, no_progress},
+    path::PathTracer,
     receiver::Receiver,
 };
 use glam::Vec3;
@@ -16,7 +17,7 @@ use crate::{
 /// What an upward receiver at the origin sees.
 fn at_origin(build: &Build) -> farlight_gi_solver::receiver::ReceiverLight {
     let receiver = Receiver { position: Vec3::ZERO, normal: Vec3::Y };
-    receiver.gather(&build.world(), &paths(8192), 0, no_progress()).unwrap()
+    receiver.gather(&PathTracer::new(&build.world()), &paths(8192), 0, no_progress()).unwrap()
 }
 
 /// A glowing disc of radius R at height h over the receiver: E = π L R² / (R² + h²).
@@ -87,7 +88,8 @@ fn lit_plane() {
         .world();
     for x in [0.0_f32, 0.5, 1.7, 2.3, 10.0, 40.0] {
         let receiver = Receiver { position: Vec3::X * x, normal: Vec3::Y };
-        let light = receiver.gather(&world, &paths(256), 0, no_progress()).unwrap();
+        let light =
+            receiver.gather(&PathTracer::new(&world), &paths(256), 0, no_progress()).unwrap();
         let squared = x * x + height * height;
         let expected = intensity * height / (squared * squared.sqrt());
         assert!(
@@ -128,7 +130,9 @@ fn no_leaks_at_any_scale() {
             let position = corner + tilt * a + other * b;
             for normal in [normal, -normal] {
                 let receiver = Receiver { position, normal };
-                let light = receiver.gather(&world, &paths(512), 0, no_progress()).unwrap();
+                let light = receiver
+                    .gather(&PathTracer::new(&world), &paths(512), 0, no_progress())
+                    .unwrap();
                 assert_eq!(light.indirect.mean, Vec3::ZERO, "scale {scale}");
                 assert!((light.direct.mean.x / PI - 1.0).abs() < 1e-5, "scale {scale}");
             }

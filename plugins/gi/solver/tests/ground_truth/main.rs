@@ -5,6 +5,7 @@ mod build;
 mod check;
 mod closed;
 mod cut_out;
+mod emitters;
 mod form_factors;
 mod lights;
 mod probes;

@@ -8,6 +8,7 @@ use std::{
 use farlight_gi_solver::{
     World,
     estimate::{GatherSettings, no_progress},
+    path::PathTracer,
     probe::gather_probes,
     receiver::{Receiver, gather_receivers},
 };
@@ -85,12 +86,16 @@ fn standard_errors_are_honest() {
         .world();
     let receiver = Receiver { position: Vec3::ZERO, normal: Vec3::Y };
     let many = GatherSettings { paths: 1 << 20, seed: 99 };
-    let truth = receiver.gather(&world, &many, 0, no_progress()).unwrap().indirect;
+    let truth =
+        receiver.gather(&PathTracer::new(&world), &many, 0, no_progress()).unwrap().indirect;
     let runs = 400;
     let (mut sum, mut squares) = (0.0_f64, 0.0_f64);
     for seed in 0..runs {
         let settings = GatherSettings { paths: 1024, seed };
-        let found = receiver.gather(&world, &settings, 0, no_progress()).unwrap().indirect;
+        let found = receiver
+            .gather(&PathTracer::new(&world), &settings, 0, no_progress())
+            .unwrap()
+            .indirect;
         let z = f64::from(found.mean.x - truth.mean.x) / f64::from(found.se.x.hypot(truth.se.x));
         sum += z;
         squares += z * z;
@@ -109,7 +114,12 @@ fn errors_shrink() {
     let receiver = some_receivers()[2];
     let se = |paths| {
         let settings = GatherSettings { paths, seed: 3 };
-        receiver.gather(&world, &settings, 0, no_progress()).unwrap().one_bounce.se.y
+        receiver
+            .gather(&PathTracer::new(&world), &settings, 0, no_progress())
+            .unwrap()
+            .one_bounce
+            .se
+            .y
     };
     let (few, many) = (se(1 << 10), se(1 << 16));
     // Independent paths: a factor of 8. Known to 18 % (two standard errors, 32 replicates each).
