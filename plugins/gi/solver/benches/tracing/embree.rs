@@ -12,6 +12,8 @@ use farlight_gi_solver::tracer::Ray;
 use glam::Vec3;
 use libloading::Library;
 
+use crate::Peer;
+
 const INVALID: u32 = u32::MAX;
 const GEOMETRY_TYPE_TRIANGLE: c_int = 0;
 const BUFFER_TYPE_INDEX: c_int = 0;
@@ -80,6 +82,7 @@ pub(crate) struct Scene<'a> {
     library: &'a Embree,
     device: Handle,
     scene: Handle,
+    quality: Quality,
 }
 
 impl Embree {
@@ -142,7 +145,7 @@ impl Embree {
             (self.commit_geometry)(mesh);
             (self.attach_geometry)(scene, mesh);
             (self.commit_scene)(scene);
-            Scene { library: self, device, scene }
+            Scene { library: self, device, scene, quality }
         }
     }
 }
@@ -164,17 +167,16 @@ fn convert(ray: &Ray) -> RtcRay {
     }
 }
 
-impl Scene<'_> {
-    /// For example `3.13.5`.
-    pub(crate) fn version(&self) -> String {
+impl Peer for Scene<'_> {
+    fn name(&self) -> String {
         // SAFETY: the device is alive.
         let v = unsafe { (self.library.device_property)(self.device, DEVICE_PROPERTY_VERSION) };
-        format!("{}.{}.{}", v / 10000, v / 100 % 100, v % 100)
+        let version = format!("{}.{}.{}", v / 10000, v / 100 % 100, v % 100);
+        format!("Embree {version} ({:?} quality)", self.quality)
     }
 
-    /// Distance of the closest hit, or infinity.
     #[inline]
-    pub(crate) fn closest(&self, ray: &Ray) -> f32 {
+    fn closest(&self, ray: &Ray) -> f32 {
         let mut context = context();
         let mut query = RtcRayHit {
             ray: convert(ray),
@@ -190,9 +192,8 @@ impl Scene<'_> {
         if query.geometry == INVALID { f32::INFINITY } else { query.ray.t_far }
     }
 
-    /// Whether anything lies on the segment.
     #[inline]
-    pub(crate) fn occluded(&self, ray: &Ray) -> bool {
+    fn occluded(&self, ray: &Ray) -> bool {
         let mut context = context();
         let mut query = convert(ray);
         // SAFETY: as in `closest`.

@@ -1,12 +1,18 @@
-//! Rays a second of the tracer, beside Embree where it is installed.
+//! Rays a second of the tracer, beside Embree where it is installed, and on demand beside obvhs.
 //!
-//! `cargo bench -p farlight_gi_solver --bench tracing -- [--scene FILE.glb] [--scale S]
-//! [--rounds N] [--fastest] [--embree-high] [--json FILE]`. Without `--scene` it takes `scenes/hotel-room.glb` of the folder in
-//! `FARLIGHT_TEST_DATA`, in millimetres. One thread; both tracers answer the same rays in slices of
-//! 8192 that alternate, and each slice counts with its median over the
-//! rounds, or with `--fastest` (on a busy machine) with its minimum.
+//! `cargo bench -p farlight_gi_solver --bench tracing -- [OPTIONS]`
+//!
+//! - `--scene FILE.glb`, `--scale S`: without them `scenes/hotel-room.glb` of the folder in
+//!   `FARLIGHT_TEST_DATA`, in millimetres, or a generated room.
+//! - `--rounds N`, `--fastest`: one thread; both tracers answer the same rays in slices of 8192 that
+//!   alternate. Each slice counts with its median over the rounds or, for a busy machine, with its
+//!   minimum.
+//! - `--embree-high`: Embree builds at high instead of medium quality.
+//! - `--obvhs`: compare with obvhs, too.
+//! - `--json FILE`: the same figures for programs.
 
 mod embree;
+mod obvhs_peer;
 mod rays;
 mod scene;
 
@@ -20,13 +26,30 @@ use embree::{Embree, Quality};
 /// Rays between two looks at the clock.
 const SLICE: usize = 8192;
 
+/// A tracer to compare with.
+trait Peer {
+    fn name(&self) -> String;
+    /// Distance of the closest hit, or infinity.
+    fn closest(&self, ray: &Ray) -> f32;
+    /// Whether anything lies on the segment.
+    fn occluded(&self, ray: &Ray) -> bool;
+}
+
 #[derive(Serialize)]
 struct Report {
     scene: String,
     triangles: usize,
     build_ms: f64,
-    embree_build_ms: Option<f64>,
-    tests: Vec<Row>,
+    bytes: usize,
+    tables: Vec<Table>,
+}
+
+/// One comparison.
+#[derive(Serialize)]
+struct Table {
+    peer: Option<String>,
+    peer_build_ms: Option<f64>,
+    rows: Vec<Row>,
 }
 
 #[derive(Serialize)]
@@ -35,7 +58,7 @@ struct Row {
     query: &'static str,
     count: usize,
     mrays_per_s: f64,
-    embree_mrays_per_s: Option<f64>,
+    peer_mrays_per_s: Option<f64>,
     ratio: Option<f64>,
     /// Share of rays that hit.
     hits: f64,
@@ -50,6 +73,7 @@ struct Options {
     rounds: usize,
     json: Option<PathBuf>,
     high: bool,
+    obvhs: bool,
     fastest: bool,
 }
 
@@ -64,6 +88,7 @@ fn options() -> Result<Options, String> {
         rounds: 9,
         json: None,
         high: false,
+        obvhs: false,
         fastest: false,
     };
     let mut args = std::env::args().skip(1);
@@ -79,6 +104,7 @@ fn options() -> Result<Options, String> {
             "--json" => options.json = Some(value()?.into()),
             "--fastest" => options.fastest = true,
             "--embree-high" => options.high = true,
+            "--obvhs" => options.obvhs = true,
             _ => return Err(format!("unknown argument {arg}")),
         }
     }
@@ -106,40 +132,71 @@ fn run() -> Result<(), String> {
             ("generated room".into(), scene::generated())
         }
     };
-    let start = Instant::now();
-    let tracer = Tracer::new(&triangles);
-    let build_ms = start.elapsed().as_secs_f64() * 1e3;
+    let (tracer, build_ms) = timed(|| Tracer::new(&triangles));
     println!("{name}: {} triangles", triangles.len());
     println!("build {build_ms:.1} ms, {:.1} MB", tracer.memory() as f64 / 1e6);
+    let sets = rays::Sets::new(&tracer, &triangles);
+    let rounds = (options.rounds, options.fastest);
     let quality = if options.high { Quality::High } else { Quality::Medium };
-    let embree = match Embree::load() {
+    let mut tables = Vec::new();
+    match Embree::load() {
         Ok(library) => {
-            let start = Instant::now();
-            let scene = library.scene(&triangles, quality);
-            let ms = start.elapsed().as_secs_f64() * 1e3;
-            println!("Embree {} ({quality:?} quality), build {ms:.1} ms", scene.version());
-            Some((scene, ms))
+            let peer = timed(|| library.scene(&triangles, quality));
+            tables.push(table(&tracer, &sets, Some(peer), rounds));
         }
         Err(reason) => {
             println!("Embree SKIPPED, so there is nothing to compare with: {reason}");
-            None
+            tables.push(table(&tracer, &sets, None::<(embree::Scene<'_>, f64)>, rounds));
         }
+    }
+    if options.obvhs {
+        let peer = timed(|| obvhs_peer::Obvhs::new(&triangles));
+        tables.push(table(&tracer, &sets, Some(peer), rounds));
+    }
+    let report = Report {
+        scene: name,
+        triangles: triangles.len(),
+        build_ms,
+        bytes: tracer.memory(),
+        tables,
     };
-    let peer = embree.as_ref().map(|e| &e.0);
-    let sets = rays::Sets::new(&tracer, &triangles);
-    let rounds = (options.rounds, options.fastest);
-    let tests = vec![
-        closest("coherent", &sets.camera, &tracer, peer, rounds),
-        closest("incoherent", &sets.bounce, &tracer, peer, rounds),
-        occluded("incoherent", &sets.bounce, &tracer, peer, rounds),
-        occluded("shadow segments", &sets.shadow, &tracer, peer, rounds),
+    if let Some(path) = options.json {
+        let text = serde_json::to_string_pretty(&report).map_err(|e| e.to_string())?;
+        std::fs::write(&path, text).map_err(|e| format!("{}: {e}", path.display()))?;
+    }
+    Ok(())
+}
+
+/// A result and how many milliseconds it took.
+fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let start = Instant::now();
+    let result = work();
+    (result, start.elapsed().as_secs_f64() * 1e3)
+}
+
+/// Measures and prints.
+fn table<P: Peer>(
+    tracer: &Tracer,
+    sets: &rays::Sets,
+    peer: Option<(P, f64)>,
+    rounds: Rounds,
+) -> Table {
+    let other = peer.as_ref().map(|p| &p.0);
+    let rows = vec![
+        closest("coherent", &sets.camera, tracer, other, rounds),
+        closest("incoherent", &sets.bounce, tracer, other, rounds),
+        occluded("incoherent", &sets.bounce, tracer, other, rounds),
+        occluded("shadow segments", &sets.shadow, tracer, other, rounds),
     ];
+    if let Some((peer, ms)) = &peer {
+        println!("\nbeside {}, build {ms:.1} ms", peer.name());
+    }
     println!(
-        "\n{:<16} {:<8} {:>8} {:>7} {:>10} {:>10} {:>7} {:>10}",
-        "rays", "query", "count", "hits", "Mrays/s", "Embree", "ratio", "different"
+        "{:<16} {:<8} {:>8} {:>7} {:>10} {:>10} {:>7} {:>10}",
+        "rays", "query", "count", "hits", "Mrays/s", "peer", "ratio", "different"
     );
     let number = |x: Option<f64>| x.map_or("-".into(), |x| format!("{x:.2}"));
-    for row in &tests {
+    for row in &rows {
         println!(
             "{:<16} {:<8} {:>8} {:>6.1}% {:>10.2} {:>10} {:>7} {:>10}",
             row.rays,
@@ -147,23 +204,16 @@ fn run() -> Result<(), String> {
             row.count,
             row.hits * 100.0,
             row.mrays_per_s,
-            number(row.embree_mrays_per_s),
+            number(row.peer_mrays_per_s),
             number(row.ratio),
             row.different.map_or("-".into(), |n| n.to_string()),
         );
     }
-    let report = Report {
-        scene: name,
-        triangles: triangles.len(),
-        build_ms,
-        embree_build_ms: embree.as_ref().map(|e| e.1),
-        tests,
-    };
-    if let Some(path) = options.json {
-        let text = serde_json::to_string_pretty(&report).map_err(|e| e.to_string())?;
-        std::fs::write(&path, text).map_err(|e| format!("{}: {e}", path.display()))?;
+    Table {
+        peer: peer.as_ref().map(|p| p.0.name()),
+        peer_build_ms: peer.as_ref().map(|p| p.1),
+        rows,
     }
-    Ok(())
 }
 
 /// Times both tracers on the same slices in turn; seconds for all rays, by slice medians (or, for
@@ -205,7 +255,7 @@ fn closest(
     name: &'static str,
     rays: &[Ray],
     tracer: &Tracer,
-    peer: Option<&embree::Scene<'_>>,
+    peer: Option<&impl Peer>,
     rounds: Rounds,
 ) -> Row {
     let mut ours = vec![Hit::NONE; rays.len()];
@@ -236,7 +286,7 @@ fn closest(
         query: "closest",
         count: rays.len(),
         mrays_per_s: rays.len() as f64 / a / 1e6,
-        embree_mrays_per_s: b.map(|b| rays.len() as f64 / b / 1e6),
+        peer_mrays_per_s: b.map(|b| rays.len() as f64 / b / 1e6),
         ratio: b.map(|b| b / a),
         hits: ours.iter().filter(|h| h.is_hit()).count() as f64 / rays.len() as f64,
         different: peer.map(|_| ours.iter().zip(&theirs).filter(|&pair| differs(pair)).count()),
@@ -247,7 +297,7 @@ fn occluded(
     name: &'static str,
     rays: &[Ray],
     tracer: &Tracer,
-    peer: Option<&embree::Scene<'_>>,
+    peer: Option<&impl Peer>,
     rounds: Rounds,
 ) -> Row {
     let mut ours = vec![false; rays.len()];
@@ -274,7 +324,7 @@ fn occluded(
         query: "any",
         count: rays.len(),
         mrays_per_s: rays.len() as f64 / a / 1e6,
-        embree_mrays_per_s: b.map(|b| rays.len() as f64 / b / 1e6),
+        peer_mrays_per_s: b.map(|b| rays.len() as f64 / b / 1e6),
         ratio: b.map(|b| b / a),
         hits: ours.iter().filter(|&&h| h).count() as f64 / rays.len() as f64,
         different: peer.map(|_| ours.iter().zip(&theirs).filter(|(a, b)| a != b).count()),

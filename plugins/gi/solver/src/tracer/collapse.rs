@@ -6,10 +6,9 @@
 //! then the choices are read back from the root.
 
 use glam::Vec3;
-use obvhs::bvh2::Bvh2;
 
 use super::{
-    build::Reference,
+    binary::{BinaryNode, Bounds, Content},
     node::{Child, LANES, MAX_DEPTH, Node, Pack, Tree, WIDTH},
     ray::PAD,
 };
@@ -32,33 +31,7 @@ struct Subtree {
     references: u32,
 }
 
-/// A box that grows.
-#[derive(Clone, Copy)]
-struct Bounds {
-    min: Vec3,
-    max: Vec3,
-}
-
-impl Bounds {
-    const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
-
-    fn add(&mut self, other: Self) {
-        self.min = self.min.min(other.min);
-        self.max = self.max.max(other.max);
-    }
-
-    /// Grown by what the tests may round away.
-    fn padded(self) -> Self {
-        let pad = Vec3::splat(self.min.abs().max(self.max.abs()).max_element() * PAD);
-        Self { min: self.min - pad, max: self.max + pad }
-    }
-
-    fn of(reference: &Reference) -> Self {
-        Self { min: Vec3::from_array(reference.min), max: Vec3::from_array(reference.max) }
-    }
-}
-
-/// A part of the binary tree, or references that are split in the middle.
+/// A part of the binary tree, or leaves of it that are split in the middle.
 #[derive(Clone)]
 enum Part {
     Node(usize),
@@ -67,23 +40,17 @@ enum Part {
 
 pub(super) struct Collapse<'a> {
     triangles: &'a [[Vec3; 3]],
-    references: &'a [Reference],
-    bvh: &'a Bvh2,
+    nodes: &'a [BinaryNode],
     subtrees: Vec<Subtree>,
     tree: Tree,
 }
 
 impl<'a> Collapse<'a> {
-    pub(super) fn new(
-        triangles: &'a [[Vec3; 3]],
-        references: &'a [Reference],
-        bvh: &'a Bvh2,
-    ) -> Self {
+    pub(super) fn new(triangles: &'a [[Vec3; 3]], nodes: &'a [BinaryNode]) -> Self {
         let mut this = Self {
             triangles,
-            references,
-            bvh,
-            subtrees: vec![Subtree::default(); bvh.nodes.len()],
+            nodes,
+            subtrees: vec![Subtree::default(); nodes.len()],
             tree: Tree::default(),
         };
         this.costs();
@@ -103,21 +70,22 @@ impl<'a> Collapse<'a> {
     }
 
     fn children(&self, node: usize) -> Option<[usize; 2]> {
-        let node = &self.bvh.nodes[node];
-        let first = node.first_index as usize;
-        (!node.is_leaf()).then_some([first, first + 1])
+        match self.nodes[node].content {
+            Content::Children(first) => Some([first as usize, first as usize + 1]),
+            Content::Triangle(_) => None,
+        }
     }
 
     /// Fills `subtrees`, children before parents.
     fn costs(&mut self) {
         let mut todo = vec![0];
-        let mut order = Vec::with_capacity(self.bvh.nodes.len());
+        let mut order = Vec::with_capacity(self.nodes.len());
         while let Some(node) = todo.pop() {
             order.push(node);
             todo.extend(self.children(node).into_iter().flatten());
         }
         for &node in order.iter().rev() {
-            let area = self.bvh.nodes[node].aabb().half_area();
+            let area = self.nodes[node].bounds.area();
             let mut subtree = Subtree::default();
             if let Some(children) = self.children(node) {
                 let [left, right] = children.map(|c| &self.subtrees[c]);
@@ -128,7 +96,7 @@ impl<'a> Collapse<'a> {
                     subtree.cost[i] = subtree.cost[i - 1].min(distribute(left, right, i + 1).0);
                 }
             } else {
-                subtree.references = self.bvh.nodes[node].prim_count;
+                subtree.references = 1;
                 subtree.cost = [leaf_cost(area, 1); WIDTH - 1];
             }
             self.subtrees[node] = subtree;
@@ -153,7 +121,7 @@ impl<'a> Collapse<'a> {
             Part::List(list) => split(&list),
         };
         parts.sort_by(|a, b| self.promise(a).total_cmp(&self.promise(b)));
-        let boxes: Vec<Bounds> = parts.iter().map(|p| self.bounds(p).padded()).collect();
+        let boxes: Vec<Bounds> = parts.iter().map(|p| padded(self.bounds(p))).collect();
         let mut node = Node::EMPTY;
         for (i, part) in parts.drain(..).enumerate() {
             for a in 0..3 {
@@ -185,7 +153,7 @@ impl<'a> Collapse<'a> {
                 None => true,
                 Some(_) => {
                     let s = &self.subtrees[node];
-                    s.cost[0] == leaf_cost(self.bvh.nodes[node].aabb().half_area(), s.references)
+                    s.cost[0] == leaf_cost(self.nodes[node].bounds.area(), s.references)
                 }
             },
         }
@@ -213,17 +181,14 @@ impl<'a> Collapse<'a> {
         self.choose(right, budget - to_left, false, out);
     }
 
-    /// All references below a binary node.
+    /// All leaves below a binary node.
     fn gather(&self, node: usize) -> Vec<u32> {
         let mut todo = vec![node];
         let mut out = Vec::new();
         while let Some(node) = todo.pop() {
             match self.children(node) {
                 Some([left, right]) => todo.extend([right, left]),
-                None => {
-                    let node = &self.bvh.nodes[node];
-                    out.extend(node.first_index..node.first_index + node.prim_count);
-                }
+                None => out.push(node as u32),
             }
         }
         out
@@ -231,16 +196,10 @@ impl<'a> Collapse<'a> {
 
     fn bounds(&self, part: &Part) -> Bounds {
         match part {
-            Part::Node(node) => {
-                let b = self.bvh.nodes[*node].aabb();
-                Bounds {
-                    min: Vec3::from_array(b.min.to_array()),
-                    max: Vec3::from_array(b.max.to_array()),
-                }
-            }
+            Part::Node(node) => self.nodes[*node].bounds,
             Part::List(list) => {
                 let mut bounds = Bounds::EMPTY;
-                list.iter().for_each(|&r| bounds.add(Bounds::of(&self.references[r as usize])));
+                list.iter().for_each(|&leaf| bounds.add(self.nodes[leaf as usize].bounds));
                 bounds
             }
         }
@@ -249,16 +208,19 @@ impl<'a> Collapse<'a> {
     /// How soon an any-hit ray should look here: a large box is likely to stop it, and a leaf is
     /// cheap to ask.
     fn promise(&self, part: &Part) -> f32 {
-        let Bounds { min, max } = self.bounds(part);
-        let d = max - min;
-        (d.x * d.y + d.y * d.z + d.z * d.x) * if self.is_leaf(part) { 8.0 } else { 1.0 }
+        self.bounds(part).area() * if self.is_leaf(part) { 8.0 } else { 1.0 }
     }
 
     /// Packs the references' triangles.
     fn leaf(&mut self, list: &[u32]) -> Child {
         // Two parts of a triangle in one leaf are one triangle.
-        let mut triangles: Vec<u32> =
-            list.iter().map(|&r| self.references[r as usize].triangle).collect();
+        let mut triangles: Vec<u32> = list
+            .iter()
+            .filter_map(|&leaf| match self.nodes[leaf as usize].content {
+                Content::Triangle(triangle) => Some(triangle),
+                Content::Children(_) => None,
+            })
+            .collect();
         triangles.sort_unstable();
         triangles.dedup();
         let first = self.tree.packs.len();
@@ -276,6 +238,12 @@ impl<'a> Collapse<'a> {
         }
         Child::leaf(first, triangles.len().div_ceil(LANES))
     }
+}
+
+/// Grown by what the tests may round away.
+fn padded(bounds: Bounds) -> Bounds {
+    let pad = Vec3::splat(bounds.min.abs().max(bounds.max.abs()).max_element() * PAD);
+    Bounds { min: bounds.min - pad, max: bounds.max + pad }
 }
 
 fn leaf_cost(area: f32, references: u32) -> f32 {

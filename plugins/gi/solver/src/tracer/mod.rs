@@ -1,9 +1,42 @@
-//! Batches of closest-hit and any-hit rays over a BVH.
+//! Closest-hit and any-hit rays against a fixed set of triangles.
+//!
+//! **Tree.** A binary tree is built from the root by the surface area heuristic, with spatial
+//! splits (Stich, Friedrich and Dietrich 2009, "Spatial Splits in Bounding Volume Hierarchies"),
+//! and collapsed to eight children a node by dynamic programming (Ylitie, Karras and Laine 2017,
+//! "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3.1). Leaves
+//! hold packs of four triangles. Nodes and packs are structures of arrays, so that one vector
+//! instruction serves eight boxes or four triangles, as in Wald, Benthin and Boulos 2008, "Getting
+//! Rid of Packets". The builder bounds the depth, hence the traversal stack has a fixed size.
+//!
+//! **Boxes.** All eight are tested at once. Rounding never loses one: boxes are grown when the
+//! tree is built, and the ray's constants by an amount for its origin, so the test itself costs no
+//! more than a careless one (compare Ize 2013, "Robust BVH Ray Traversal", JCGT 2(2), who pads the
+//! result of each test). Each node stores the order of its children for the eight octants of
+//! directions, which replaces sorting by distance; what is met is compacted in that order onto
+//! the stack without a branch. Any-hit rays need no order: they begin with large boxes and leaves.
+//!
+//! **Triangles.** Woop, Benthin and Wald 2013, "Watertight Ray/Triangle Intersection", JCGT 2(1):
+//! corners are translated and sheared so that the ray becomes an axis, alike for every triangle
+//! that shares the corner; two-dimensional edge functions then decide. They aren't fused, because a
+//! product of floats rounds monotonically: the sign of a difference of two rounded products is
+//! right or zero, never wrong. Zero counts as inside for both neighbours, so no ray passes between
+//! two triangles that share an edge, nor at a corner; where all three functions vanish, double
+//! precision decides (in which the products are exact).
+//!
+//! **Processors.** One traversal, three kernels: AVX-512, AVX2 with FMA, and plain arrays for
+//! everything else; which one is found out once. All three give the same hits to the last bit.
+//!
+//! **Limits.** Coordinates up to 1e12; triangles beyond, with a NaN, or with no area are left out.
+//! Distances have an absolute error of a few 1e-7 of the larger of the triangle's and the origin's
+//! coordinates (seen along the triangle's normal). Memory: about 75 bytes a triangle, at most 400
+//! (every leaf a single triangle after the most splits); while building, up to 300 more. At most
+//! 2^28 packs.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod binary;
 mod build;
 mod collapse;
 mod node;
@@ -23,11 +56,11 @@ use node::Tree;
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Ray {
-    /// Where it starts.
+    /// Where it starts, in metres; within 1e12, else nothing is hit.
     pub origin: Vec3,
-    /// Hits before this are ignored.
+    /// Hits before this are ignored; a negative value counts as 0.
     pub t_min: f32,
-    /// Where it goes.
+    /// Where it goes. Zero or not finite: nothing is hit.
     pub direction: Vec3,
     /// Hits after this are ignored.
     pub t_max: f32,
@@ -103,8 +136,9 @@ impl Instructions {
 }
 
 impl Tracer {
-    /// Builds the acceleration structure. Triangles that are not finite, have no area, or lie
-    /// beyond 1e12 are never hit.
+    /// Builds the acceleration structure, on all threads, in about 1 to 2 microseconds a triangle
+    /// and thread; the result doesn't depend on their number. Triangles that are not finite, have no area,
+    /// or lie beyond 1e12 are never hit. The index in a [`Hit`] is that of `triangles`.
     #[must_use]
     pub fn new(triangles: &[[Vec3; 3]]) -> Self {
         Self { tree: build::build(triangles), instructions: Instructions::available()[0] }

@@ -1,5 +1,8 @@
 //! Against a double-precision search of all triangles, closed surfaces, and hostile input.
 
+mod hostile;
+mod watertight;
+
 use glam::{DVec3, Vec3};
 
 use super::{Hit, Instructions, Ray, Tracer};
