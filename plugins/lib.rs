@@ -73,3 +73,8 @@ pub mod prelude {
         GiStatus, GiUpdated, GiView,
     };
 }
+
+/// The README's code is compiled as an example of the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -9,6 +9,8 @@ mod assets;
 mod bench;
 mod ci;
 mod demo;
+#[cfg(test)]
+mod documents;
 mod environment;
 mod manifest;
 mod process;

@@ -34,6 +34,17 @@ pub(crate) fn locks(lockfile: &str, package: &str) -> bool {
     lockfile.lines().any(|line| line.trim() == wanted)
 }
 
+/// All versions of a package in a `Cargo.lock`.
+#[cfg(test)]
+pub(crate) fn versions<'a>(lockfile: &'a str, package: &str) -> Vec<&'a str> {
+    let wanted = format!("name = \"{package}\"");
+    let lines = lockfile.lines().zip(lockfile.lines().skip(1));
+    lines
+        .filter(|(name, _)| *name == wanted)
+        .filter_map(|(_, version)| version.strip_prefix("version = \"")?.strip_suffix('"'))
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
