@@ -51,7 +51,7 @@ pub struct UnwrapOptions {
     pub split_angle: f32,
     /// Largest angle (radians, below π/2) between a face and its chart's average normal.
     pub chart_angle: f32,
-    /// Refuse to unwrap meshes with more triangles: it takes about 15 µs and 1 kB a triangle.
+    /// Refuse to unwrap meshes with more triangles: it takes about 40 µs and 1 kB a triangle.
     pub max_triangles: usize,
     /// Give up after this time.
     pub max_time: Duration,

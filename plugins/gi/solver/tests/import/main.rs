@@ -1,0 +1,11 @@
+//! Reading glTF: what files mean, and what happens to broken and hostile ones.
+
+mod features;
+mod fuzz;
+mod glb;
+mod hostile;
+mod memory;
+mod reference;
+
+#[global_allocator]
+static ALLOCATOR: memory::Counting = memory::Counting;
