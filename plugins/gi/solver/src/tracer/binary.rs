@@ -6,7 +6,7 @@
 //! Hierarchies"); how many more references this makes is bounded. Where neither helps, or the
 //! tree has become too deep, the list is cut in the middle, so the time is bounded, too.
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 use super::build::Reference;
 
@@ -21,22 +21,22 @@ const BALANCED_DEPTH: usize = 64;
 /// Subtrees of more references are built in parallel.
 const PARALLEL: usize = 4096;
 
-/// A box that grows.
+/// A box that grows; aligned, for vector instructions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
-    pub(super) min: Vec3,
-    pub(super) max: Vec3,
+    pub(super) min: Vec3A,
+    pub(super) max: Vec3A,
 }
 
 impl Bounds {
-    pub(super) const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+    pub(super) const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
     pub(super) fn add(&mut self, other: Self) {
         self.min = self.min.min(other.min);
         self.max = self.max.max(other.max);
     }
 
-    fn add_point(&mut self, p: Vec3) {
+    fn add_point(&mut self, p: Vec3A) {
         self.min = self.min.min(p);
         self.max = self.max.max(p);
     }
@@ -47,7 +47,7 @@ impl Bounds {
 
     /// Half the surface, 0 if empty.
     pub(super) fn area(&self) -> f32 {
-        let d = (self.max - self.min).max(Vec3::ZERO);
+        let d = (self.max - self.min).max(Vec3A::ZERO);
         d.x * d.y + d.y * d.z + d.z * d.x
     }
 
@@ -168,15 +168,16 @@ impl Builder<'_> {
             let object = object_split(&centres, &references);
             let overlap = object.as_ref().map_or(f32::INFINITY, |s| s.left.clipped(s.right).area());
             if budget > 0 && overlap > self.least_overlap {
-                let least = object.as_ref().map_or(f32::INFINITY, |s| s.cost);
-                if let Some(split) = self.spatial_split(bounds, &references, least)
+                let whole = bounds.area() * references.len() as f32;
+                let least = object.as_ref().map_or(whole, |s| s.cost.min(whole));
+                if let Some(split) = self.spatial_split(bounds, &references, budget, least)
                     && let Some(lists) = self.cut(bounds, &split, &references, budget)
                 {
                     return lists;
                 }
             }
             if let Some(split) = object {
-                let bins = Bins::new(&centres);
+                let bins = Bins::new(&centres, references.len());
                 let (mut left, mut right) = (Vec::new(), Vec::new());
                 for r in references {
                     let to_left = bins.of(r.centre(), split.axis) < split.bin;
@@ -194,22 +195,35 @@ impl Builder<'_> {
         &self,
         bounds: &Bounds,
         references: &[Reference],
+        budget: usize,
         least: f32,
     ) -> Option<Split> {
-        let bins = Bins::new(bounds);
+        let bins = Bins::new(bounds, references.len());
         let mut best: Option<Split> = None;
         for axis in 0..3 {
             if bins.scale[axis] == 0.0 {
                 continue;
             }
-            let mut boxes = [Bounds::EMPTY; BINS];
             let mut enter = [0u32; BINS];
             let mut leave = [0u32; BINS];
             for reference in references {
+                enter[bins.of(reference.bounds.min, axis)] += 1;
+                leave[bins.of(reference.bounds.max, axis)] += 1;
+            }
+            // No need to look closer if every plane would cut too many.
+            let mut cut = 0;
+            let affordable = (1..bins.count).any(|bin| {
+                cut += enter[bin - 1] as usize;
+                cut -= leave[bin - 1] as usize;
+                cut <= budget
+            });
+            if !affordable {
+                continue;
+            }
+            let mut boxes = [Bounds::EMPTY; BINS];
+            for reference in references {
                 let first = bins.of(reference.bounds.min, axis);
                 let last = bins.of(reference.bounds.max, axis);
-                enter[first] += 1;
-                leave[last] += 1;
                 let mut rest = *reference;
                 for (bounds, bin) in boxes[first..last].iter_mut().zip(first + 1..) {
                     let (left, right) = self.clip(&rest, axis, bins.plane(axis, bin));
@@ -218,7 +232,8 @@ impl Builder<'_> {
                 }
                 boxes[last].add(rest.bounds);
             }
-            sweep(axis, &boxes, &enter, &leave, &mut best);
+            let n = bins.count;
+            sweep(axis, &boxes[..n], &enter[..n], &leave[..n], &mut best);
         }
         best.filter(|s| s.cost < least)
     }
@@ -233,7 +248,7 @@ impl Builder<'_> {
         budget: usize,
     ) -> Option<(Vec<Reference>, Vec<Reference>)> {
         let Split { axis, bin, .. } = *split;
-        let plane = Bins::new(bounds).plane(axis, bin);
+        let plane = Bins::new(bounds, references.len()).plane(axis, bin);
         let (mut left, mut right, mut both) = (Vec::new(), Vec::new(), Vec::new());
         let (mut left_bounds, mut right_bounds) = (Bounds::EMPTY, Bounds::EMPTY);
         for &r in references {
@@ -286,7 +301,7 @@ impl Builder<'_> {
     /// Boxes of the parts of a reference on the two sides of a plane.
     fn clip(&self, reference: &Reference, axis: usize, plane: f32) -> (Bounds, Bounds) {
         let (mut left, mut right) = (Bounds::EMPTY, Bounds::EMPTY);
-        let corners = self.triangles[reference.triangle as usize];
+        let corners = self.triangles[reference.triangle as usize].map(Vec3A::from);
         for i in 0..3 {
             let (a, b) = (corners[i], corners[(i + 1) % 3]);
             let (da, db) = (a[axis], b[axis]);
@@ -312,32 +327,35 @@ impl Builder<'_> {
 
 /// Equal intervals of a box's axes.
 struct Bins {
-    min: Vec3,
-    size: Vec3,
+    count: usize,
+    min: Vec3A,
+    size: Vec3A,
     /// Bins a unit; 0 where the box is flat.
-    scale: Vec3,
+    scale: Vec3A,
 }
 
 impl Bins {
-    fn new(bounds: &Bounds) -> Self {
+    /// Few bins for few references.
+    fn new(bounds: &Bounds, references: usize) -> Self {
+        let count = references.clamp(4, BINS);
         let size = bounds.max - bounds.min;
-        let scale = size.map(|s| if s > 0.0 { (BINS as f32 / s).min(f32::MAX) } else { 0.0 });
-        Self { min: bounds.min, size, scale }
+        let scale = size.map(|s| if s > 0.0 { (count as f32 / s).min(f32::MAX) } else { 0.0 });
+        Self { count, min: bounds.min, size, scale }
     }
 
-    fn of(&self, p: Vec3, axis: usize) -> usize {
-        (((p[axis] - self.min[axis]) * self.scale[axis]) as usize).min(BINS - 1)
+    fn of(&self, p: Vec3A, axis: usize) -> usize {
+        (((p[axis] - self.min[axis]) * self.scale[axis]) as usize).min(self.count - 1)
     }
 
     /// Where a bin begins.
     fn plane(&self, axis: usize, bin: usize) -> f32 {
-        self.min[axis] + self.size[axis] * (bin as f32 / BINS as f32)
+        self.min[axis] + self.size[axis] * (bin as f32 / self.count as f32)
     }
 }
 
 /// The cheapest division by centres.
 fn object_split(centres: &Bounds, references: &[Reference]) -> Option<Split> {
-    let bins = Bins::new(centres);
+    let bins = Bins::new(centres, references.len());
     let mut boxes = [[Bounds::EMPTY; BINS]; 3];
     let mut counts = [[0u32; BINS]; 3];
     for reference in references {
@@ -351,29 +369,24 @@ fn object_split(centres: &Bounds, references: &[Reference]) -> Option<Split> {
     let mut best = None;
     for axis in 0..3 {
         if bins.scale[axis] > 0.0 {
-            sweep(axis, &boxes[axis], &counts[axis], &counts[axis], &mut best);
+            let (boxes, counts) = (&boxes[axis][..bins.count], &counts[axis][..bins.count]);
+            sweep(axis, boxes, counts, counts, &mut best);
         }
     }
     best
 }
 
 /// Takes the axis's cheapest division if it is cheaper than `best`.
-fn sweep(
-    axis: usize,
-    boxes: &[Bounds; BINS],
-    enter: &[u32; BINS],
-    leave: &[u32; BINS],
-    best: &mut Option<Split>,
-) {
+fn sweep(axis: usize, boxes: &[Bounds], enter: &[u32], leave: &[u32], best: &mut Option<Split>) {
     let mut after = [(Bounds::EMPTY, 0); BINS];
     let (mut bounds, mut count) = (Bounds::EMPTY, 0);
-    for i in (1..BINS).rev() {
+    for i in (1..boxes.len()).rev() {
         bounds.add(boxes[i]);
         count += leave[i];
         after[i] = (bounds, count);
     }
     let (mut bounds, mut count) = (Bounds::EMPTY, 0);
-    for bin in 1..BINS {
+    for bin in 1..boxes.len() {
         bounds.add(boxes[bin - 1]);
         count += enter[bin - 1];
         let (right, right_count) = after[bin];

@@ -1,6 +1,6 @@
 //! From triangles to the tree.
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 use super::{
     binary::{self, Bounds},
@@ -18,7 +18,7 @@ pub(super) struct Reference {
 }
 
 impl Reference {
-    pub(super) fn centre(&self) -> Vec3 {
+    pub(super) fn centre(&self) -> Vec3A {
         (self.bounds.min + self.bounds.max) * 0.5
     }
 }
@@ -31,7 +31,7 @@ pub(super) fn build(triangles: &[[Vec3; 3]]) -> Tree {
         .take(u32::MAX as usize)
         .filter(|(_, corners)| usable(corners))
         .map(|(i, &[a, b, c])| Reference {
-            bounds: Bounds { min: a.min(b).min(c), max: a.max(b).max(c) },
+            bounds: Bounds { min: a.min(b).min(c).into(), max: a.max(b).max(c).into() },
             triangle: i as u32,
         })
         .collect();

@@ -5,7 +5,7 @@
 //! representing its subtree by at most 1 to 7 children of a wide node, from the leaves upwards;
 //! then the choices are read back from the root.
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 use super::{
     binary::{BinaryNode, Bounds, Content},
@@ -242,7 +242,7 @@ impl<'a> Collapse<'a> {
 
 /// Grown by what the tests may round away.
 fn padded(bounds: Bounds) -> Bounds {
-    let pad = Vec3::splat(bounds.min.abs().max(bounds.max.abs()).max_element() * PAD);
+    let pad = Vec3A::splat(bounds.min.abs().max(bounds.max.abs()).max_element() * PAD);
     Bounds { min: bounds.min - pad, max: bounds.max + pad }
 }
 
@@ -276,7 +276,7 @@ fn orders(boxes: &[Bounds]) -> [u32; WIDTH] {
     let mut order = [0; WIDTH];
     for octant in 0..8 {
         let direction =
-            Vec3::from_array([0, 1, 2].map(|a| if octant >> a & 1 == 1 { -1.0 } else { 1.0 }));
+            Vec3A::from_array([0, 1, 2].map(|a| if octant >> a & 1 == 1 { -1.0 } else { 1.0 }));
         let mut keys = [(f32::NEG_INFINITY, 0); WIDTH];
         for (i, key) in keys.iter_mut().enumerate() {
             let distance = boxes.get(i).map(|b| (b.min + b.max).dot(direction));

@@ -230,3 +230,21 @@ fn ends_of_the_interval() {
         }
     }
 }
+
+#[test]
+fn edge_functions_that_all_round_to_zero() {
+    // Seen along z, the corners lie so nearly on a line through the origin that only the second
+    // order of the unit in the last place tells that the origin is inside.
+    let corner = |sign: f32, a: f32| {
+        Vec3::new(1.0 + (a + 1.0) * f32::EPSILON, 1.0 + a * f32::EPSILON, sign) * sign
+    };
+    let triangle = [corner(1.0, 4.0), corner(1.0, 0.0), corner(-1.0, 2.0)];
+    let ray = Ray::new(Vec3::ZERO, Vec3::Z);
+    let [a, b, c] = triangle.map(|p| p.truncate());
+    assert_eq!([a.perp_dot(b), b.perp_dot(c), c.perp_dot(a)], [0.0; 3]);
+    for tracer in tracers(&[triangle]) {
+        let hit = tracer.closest(&ray);
+        assert!((hit.t - 1.0).abs() < 1e-6, "{:?} {hit:?}", tracer.instructions);
+        assert!(tracer.occluded(&ray));
+    }
+}
