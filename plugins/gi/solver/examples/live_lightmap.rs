@@ -14,20 +14,19 @@ mod common;
 
 use std::{
     collections::BTreeMap,
-    f32::consts::PI,
     path::{Path, PathBuf},
     sync::Arc,
     time::{Duration, Instant},
 };
 
 use farlight_gi_solver::{
-    SceneChange, World,
+    SceneChange,
     estimate::{GatherSettings, no_progress},
     import::{ImportOptions, load_scene},
-    receiver::{Receiver, gather_receivers},
     scene::{Light, LightId, Mesh},
     session::{
         GridId, LightingUpdate, ProbeGrid, Session, SessionChange, SessionSettings, SnapshotId,
+        reference,
     },
 };
 use glam::{Affine3A, Quat, UVec3, Vec2, Vec3};
@@ -144,25 +143,19 @@ impl Client {
 
 /// Quantiles of relative luminance errors over texels with at least 1 % of the largest value.
 fn compare(session: &Session, client: &Client, a: &Arguments, label: &str) {
-    let world = World::new(session.scene());
     let texels = session.texels();
     let stride = (texels.len() / a.samples).max(1);
-    let chosen: Vec<_> = texels.iter().skip(stride / 2).step_by(stride).collect();
-    let receivers: Vec<Receiver> =
-        chosen.iter().map(|t| Receiver { position: t.position, normal: t.normal }).collect();
+    let chosen: Vec<_> = texels.iter().copied().skip(stride / 2).step_by(stride).collect();
     let settings = GatherSettings { paths: a.paths, seed: 99 };
-    let truth = gather_receivers(&world, &receivers, &settings, no_progress()).expect("all");
+    let truth = reference(session.scene(), &chosen, &settings, no_progress()).expect("all");
     let y = |c: Vec3| c.dot(Vec3::new(0.2126, 0.7152, 0.0722));
     let rows: Vec<(f32, f32, f32)> = chosen
         .iter()
         .zip(&truth)
-        .zip(&receivers)
-        .map(|((t, truth), receiver)| {
+        .map(|(t, truth)| {
             let page = &client.pages[&t.page.0];
             let shown = page[(t.y * client.page_size + t.x) as usize];
-            // What Bevy does not compute itself: everything but the punctual lights.
-            let e = truth.indirect.mean + truth.direct.mean - receiver.direct(&world);
-            (y(shown) * PI, y(e), y(truth.indirect.se))
+            (y(shown), y(truth.mean), y(truth.se))
         })
         .collect();
     let largest = rows.iter().map(|r| r.1).fold(0.0, f32::max);

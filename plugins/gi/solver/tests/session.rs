@@ -5,8 +5,9 @@ mod common;
 use std::f32::consts::PI;
 
 use common::{Builder, set_light, settle, small, two_rooms};
-use farlight_gi_solver::session::{
-    GridId, ProbeGrid, Session, SessionChange, SessionSettings, SnapshotId,
+use farlight_gi_solver::{
+    estimate::{GatherSettings, no_progress},
+    session::{GridId, ProbeGrid, Session, SessionChange, SessionSettings, SnapshotId, reference},
 };
 use glam::{Affine3A, Quat, UVec3, Vec3};
 
@@ -136,4 +137,66 @@ fn results_repeat_and_do_not_depend_on_threads() {
     let one = run(1);
     assert_eq!(one, run(1));
     assert_eq!(one, run(3));
+}
+
+struct Row {
+    value: f32,
+    truth: f32,
+    /// Standard errors of both together, and of the truth alone.
+    errors: [f32; 2],
+}
+
+/// Luminance beside the path tracer's at texels of at least 1 % of the largest value.
+fn against_reference(session: &Session, count: usize, paths: u32) -> Vec<Row> {
+    let texels = session.texels();
+    let chosen: Vec<_> = texels.iter().copied().step_by(texels.len() / count).collect();
+    let settings = GatherSettings { paths, seed: 5 };
+    let truth = reference(session.scene(), &chosen, &settings, no_progress()).unwrap();
+    let y = |c: Vec3| c.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+    let rows = chosen.iter().zip(truth).map(|(t, r)| Row {
+        value: y(t.value),
+        truth: y(r.mean),
+        errors: [t.error.hypot(y(r.se)), y(r.se)],
+    });
+    let brightest = rows.clone().map(|r| r.truth).fold(0.0, f32::max);
+    rows.filter(|r| r.truth > 0.01 * brightest).collect()
+}
+
+fn median(values: impl Iterator<Item = f32>) -> f32 {
+    let mut values: Vec<f32> = values.collect();
+    values.sort_by(f32::total_cmp);
+    values[values.len() / 2]
+}
+
+fn root_mean_square(values: impl ExactSizeIterator<Item = f32>) -> f32 {
+    let count = values.len() as f32;
+    (values.map(|v| v * v).sum::<f32>() / count).sqrt()
+}
+
+#[test]
+fn texels_agree_with_the_path_tracer_and_errors_are_honest() {
+    for (rays, paths) in [(64, 0), (256, 0), (256, 1024)] {
+        let mut b = two_rooms(true);
+        b.point_light(0, Vec3::new(2.0, 2.0, 1.2), Vec3::splat(30.0));
+        let mut session =
+            b.session(SessionSettings { rays_per_texel: rays, converged_paths: paths, ..small() });
+        let updates = settle(&mut session);
+        let told = updates.last().unwrap().quality.relative_error;
+        let rows = against_reference(&session, 60, 8192);
+        let real = median(rows.iter().map(|r| ((r.value - r.truth) / r.truth).abs()));
+        let noise = 0.67 * median(rows.iter().map(|r| r.errors[1] / r.truth));
+        let expected = told.hypot(noise);
+        let z = root_mean_square(rows.iter().map(|r| (r.value - r.truth) / r.errors[0]));
+        let signed =
+            rows.iter().map(|r| (r.value - r.truth) / r.truth).sum::<f32>() / rows.len() as f32;
+        let what = format!(
+            "{rays} rays, {paths} paths: told {told}, expected {expected}, real {real}, \
+             signed {signed}, z {z}"
+        );
+        println!("{what}");
+        assert!(rows.len() > 40, "{what}");
+        assert!(expected / real > 0.5 && expected / real < 2.0, "{what}");
+        assert!(z > 0.5 && z < 1.7, "{what}");
+        assert!(signed.abs() < 0.03, "{what}");
+    }
 }

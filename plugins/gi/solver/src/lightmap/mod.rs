@@ -16,7 +16,7 @@
 //! turned into a table; compare Lehtinen et al. 2008, "A Meshless Hierarchical Representation for Light
 //! Transport", and the surfel caches of current engines.
 
-mod charts;
+mod bake;
 mod closed;
 mod direct;
 mod fill;
@@ -28,6 +28,7 @@ mod sequence;
 mod sky;
 mod transport;
 
+pub use bake::{Lightmap, LightmapSolver};
 pub(crate) use grids::GridState;
 pub(crate) use lighting::{Lighting, Limits};
 pub(crate) use raster::MeshTexels;

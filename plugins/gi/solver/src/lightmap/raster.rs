@@ -4,8 +4,8 @@
 
 use glam::Vec2;
 
-use super::charts::charts;
 use crate::scene::Mesh;
+use crate::unwrap::charts;
 
 /// No texel, no chart.
 pub(crate) const NONE: u32 = u32::MAX;

@@ -10,6 +10,7 @@
 mod place;
 mod publish;
 mod run;
+mod texels;
 
 use std::sync::Arc;
 
@@ -21,7 +22,8 @@ use crate::{
     sh::ShRgb,
 };
 
-pub use run::{Session, TexelPoint};
+pub use run::Session;
+pub use texels::{TexelPoint, reference};
 
 /// Names a state of the scene; chosen by whoever sends changes, growing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -5,7 +5,6 @@ use std::{
     sync::Arc,
 };
 
-use glam::Vec3;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::{
@@ -15,7 +14,7 @@ use super::{
 };
 use crate::{
     Scene, SceneChange, World,
-    atlas::{PageId, TexelRect},
+    atlas::TexelRect,
     lightmap::{GridState, Lighting, Limits, MeshTexels},
     scene::{InstanceId, Mesh},
 };
@@ -25,19 +24,19 @@ const STEP: usize = 400_000;
 
 /// Keeps the lighting of a changing scene solved.
 pub struct Session {
-    settings: SessionSettings,
-    scene: Scene,
+    pub(super) settings: SessionSettings,
+    pub(super) scene: Scene,
     snapshot: SnapshotId,
     /// The snapshot that the running solution is for.
     solving: SnapshotId,
     wanted: BTreeSet<InstanceId>,
     grids: BTreeMap<GridId, ProbeGrid>,
-    places: Places,
+    pub(super) places: Places,
     shown: Shown,
     refused: BTreeMap<InstanceId, Arc<str>>,
     refused_news: Vec<(InstanceId, Arc<str>)>,
     rasters: HashMap<(usize, u32, u32), (Arc<Mesh>, Arc<MeshTexels>)>,
-    lighting: Option<Lighting>,
+    pub(super) lighting: Option<Lighting>,
     dirty: Dirty,
     /// A slice of growing is due before the next solution, so that light that never rests does not
     /// keep the rays few for ever.
@@ -54,25 +53,6 @@ struct Dirty {
     geometry: bool,
     materials: bool,
     light: bool,
-}
-
-/// A texel of a receiver, and the point that it is solved at.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TexelPoint {
-    /// The receiver.
-    pub instance: InstanceId,
-    /// The page.
-    pub page: PageId,
-    /// Column in the page.
-    pub x: u32,
-    /// Row in the page.
-    pub y: u32,
-    /// World position.
-    pub position: Vec3,
-    /// Unit geometric normal.
-    pub normal: Vec3,
-    /// What the session holds there now: E / π, as in the tiles.
-    pub value: Vec3,
 }
 
 impl Session {
@@ -352,45 +332,5 @@ impl Session {
             grids: Vec::new(),
             quality: Quality { converged: true, ..self.quality() },
         })
-    }
-
-    /// The scene as the session knows it.
-    #[must_use]
-    pub fn scene(&self) -> &Scene {
-        &self.scene
-    }
-
-    /// Kept rays that were traced since the geometry last changed. Light that changes adds none.
-    #[must_use]
-    pub fn rays_traced(&self) -> u64 {
-        self.lighting.as_ref().map_or(0, |l| l.traced)
-    }
-
-    /// All texels that are solved (not those that dilation fills), with the points they are solved
-    /// at, for comparing them with a reference.
-    #[must_use]
-    pub fn texels(&self) -> Vec<TexelPoint> {
-        let Some(lighting) = &self.lighting else { return Vec::new() };
-        let mut out = Vec::with_capacity(lighting.patches.fronts);
-        for receiver in &lighting.patches.receivers {
-            let instance = lighting.world.instances()[receiver.instance as usize].id;
-            let Some(place) = self.places.places.get(&instance) else { continue };
-            let rect = place.rect();
-            for (i, [x, y]) in receiver.texels.coords.iter().enumerate() {
-                let patch = receiver.first as usize + i;
-                if lighting.is_valid(patch) {
-                    out.push(TexelPoint {
-                        instance,
-                        page: place.page,
-                        x: rect.x + u32::from(*x),
-                        y: rect.y + u32::from(*y),
-                        position: lighting.patches.position[patch],
-                        normal: lighting.patches.normal[patch],
-                        value: lighting.irradiance[patch] / std::f32::consts::PI,
-                    });
-                }
-            }
-        }
-        out
     }
 }

@@ -90,6 +90,8 @@ pub(crate) struct Lighting {
     sky_stale: bool,
     /// For each patch: irradiance from other patches through its first rays.
     bounced: Vec<Vec3>,
+    /// The largest of them.
+    brightest: f32,
     /// Radiance that leaves each patch, shifted by one: entry 0 is black.
     table: Vec<Vec4>,
     job: Option<Job>,
@@ -137,6 +139,7 @@ impl Lighting {
             sky: Vec::new(),
             sky_stale: true,
             bounced: Vec::new(),
+            brightest: 0.0,
             table: Vec::new(),
             job: None,
             patches,

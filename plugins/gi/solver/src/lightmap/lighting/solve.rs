@@ -12,11 +12,13 @@ use crate::lightmap::{sequence::unpack_direction, transport::Block};
 const SHADOW_SLICE: usize = 1 << 18;
 /// Kept rays that one slice reads.
 const GATHER_SLICE: usize = 1 << 24;
-/// A bounce that changes irradiance by less than this part of the largest is the last for now.
-const ENOUGH: f32 = 1e-3;
+/// A bounce that changes no patch's irradiance by more than this part of it is the last for now.
+const ENOUGH: f32 = 5e-3;
 /// Below this nothing more comes; where a solution ends before, another one follows when there is
 /// nothing else to do.
-const SETTLED: f32 = 1e-4;
+const SETTLED: f32 = 5e-4;
+/// Patches darker than this part of the brightest do not hold anything up.
+const DARK: f32 = 2e-3;
 /// From this many bounces on, all are followed, each solution starting from the one before.
 const ALL_BOUNCES: u32 = 6;
 /// Most steps towards all bounces in one solution.
@@ -136,12 +138,13 @@ impl Lighting {
         });
     }
 
-    /// One bounce between all patches. Returns the largest change relative to the largest value.
+    /// One bounce between all patches. Returns the largest relative change.
     fn bounce(&mut self) -> f32 {
         let fronts = self.patches.fronts;
         let blocks: Vec<&Block> =
             self.blocks.iter().take(LOW_BLOCKS).filter(|b| b.origins() >= fronts).collect();
         let table = &self.table;
+        let dark = self.brightest * DARK;
         let (change, largest) = self
             .bounced
             .par_iter_mut()
@@ -154,7 +157,8 @@ impl Lighting {
                     rays += block.count;
                 }
                 let new = if rays == 0 { Vec3::ZERO } else { sum.truncate() * (PI / rays as f32) };
-                let change = (new - *bounced).abs().max_element();
+                let level = new.max_element().max(dark).max(f32::MIN_POSITIVE);
+                let change = (new - *bounced).abs().max_element() / level;
                 *bounced = new;
                 (change, new.max_element())
             })
@@ -171,7 +175,8 @@ impl Lighting {
                 self.bounced[first + i] = padded[at as usize];
             }
         }
-        if largest > 0.0 { change / largest } else { 0.0 }
+        self.brightest = largest;
+        change
     }
 
     /// The last gather for a slice of the texels that are shown. Returns its end.
