@@ -29,6 +29,11 @@ pub(crate) fn quad(origin: Vec3, u: Vec3, v: Vec3) -> Mesh {
 }
 
 impl Builder {
+    /// A builder whose ids do not meet those of another.
+    pub(crate) fn starting_at(next: u64) -> Self {
+        Self { changes: Vec::new(), next }
+    }
+
     /// Adds a mesh as an instance with its own material; a receiver if it has a second UV set.
     pub(crate) fn add(&mut self, mesh: Mesh, albedo: Vec3, emissive: Vec3) -> InstanceId {
         let id = self.next;
