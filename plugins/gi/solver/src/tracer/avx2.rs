@@ -5,7 +5,7 @@ use std::arch::x86_64::*;
 use super::{
     Hit, Ray,
     node::{Child, LANES, Node, Pack, Tree, WIDTH},
-    ray::Prepared,
+    ray::{AXES, FAR, Frame, LEAST, PAD, max},
     traverse::{self, Kernel},
     triangle::{Best, edge_on},
 };
@@ -54,36 +54,86 @@ static COMPACT: [[u8; WIDTH]; 256] = {
     table
 };
 
-/// One ray's constants in all lanes.
-#[derive(Clone, Copy)]
+/// Where in `Node::bounds` the rows begin through which a ray enters and leaves, by the signs of
+/// its direction.
+static ROWS: [[[usize; 3]; 2]; 8] = {
+    let mut table = [[[0; 3]; 2]; 8];
+    let mut i = 0;
+    while i < 24 {
+        let (octant, axis) = (i / 3, i % 3);
+        let negative = octant >> axis & 1;
+        table[octant][0][axis] = (axis + 3 * negative) * WIDTH;
+        table[octant][1][axis] = (axis + 3 - 3 * negative) * WIDTH;
+        i += 1;
+    }
+    table
+};
+
+/// [`AXES`] for `vpermilps`.
+static PERMUTE: [[i32; 4]; 3] = [[2, 1, 0, 3], [0, 2, 1, 3], [1, 0, 2, 3]];
+
+/// One ray's constants, most of them in all lanes.
 pub(super) struct Avx2 {
+    frame: Frame,
+    /// Reciprocal direction.
     inverse: [__m256; 3],
+    /// Plane distance = plane * inverse + offset, rounded towards the ray's start ...
     near: [__m256; 3],
+    /// ... and towards its end.
     far: [__m256; 3],
     t_min: __m256,
     pub(super) t_max: __m256,
+    /// In the frame's order.
     origin: [__m128; 3],
     shear: [__m128; 2],
+    sign: __m128,
+    /// Of `ROWS`.
+    near_row: [usize; 3],
+    far_row: [usize; 3],
+    /// Where in a corner of a `Pack` the frame's axes begin.
+    corner_row: [usize; 3],
+    /// Three times the octant.
+    pub(super) order_shift: u32,
+}
+
+/// The largest of the first three lanes, in these.
+#[inline(always)]
+unsafe fn largest(x: __m128) -> __m128 {
+    // SAFETY: SSE is part of the architecture's base.
+    unsafe {
+        let turned = _mm_shuffle_ps::<0b11_00_10_01>(x, x);
+        let again = _mm_shuffle_ps::<0b11_01_00_10>(x, x);
+        _mm_max_ps(_mm_max_ps(x, turned), again)
+    }
+}
+
+/// The first three lanes, each in a vector of its own.
+#[inline(always)]
+unsafe fn spread(x: __m128) -> [__m256; 3] {
+    // SAFETY: the features are the caller's promise.
+    unsafe {
+        let x = _mm256_castps128_ps256(x);
+        [
+            _mm256_permutevar8x32_ps(x, _mm256_setzero_si256()),
+            _mm256_permutevar8x32_ps(x, _mm256_set1_epi32(1)),
+            _mm256_permutevar8x32_ps(x, _mm256_set1_epi32(2)),
+        ]
+    }
 }
 
 impl Avx2 {
     /// Where the ray enters and leaves the eight boxes.
     #[inline(always)]
-    pub(super) unsafe fn slabs(
-        &self,
-        ray: &Prepared,
-        node: &Node,
-        limit: __m256,
-    ) -> (__m256, __m256) {
+    pub(super) unsafe fn slabs(&self, node: &Node, limit: __m256) -> (__m256, __m256) {
         // SAFETY: the rows are the node's; the features are the trait's promise.
         unsafe {
             let bounds = node.bounds.as_ptr().cast::<f32>();
             let near = |a: usize| {
-                let plane = _mm256_load_ps(bounds.add(ray.near_row[a]));
+                let plane = _mm256_load_ps(bounds.add(self.near_row[a]));
                 _mm256_fmadd_ps(plane, self.inverse[a], self.near[a])
             };
             let far = |a: usize| {
-                let plane = _mm256_load_ps(bounds.add(ray.far_row[a]));
+                let plane = _mm256_load_ps(bounds.add(self.far_row[a]));
                 _mm256_fmadd_ps(plane, self.inverse[a], self.far[a])
             };
             let enter = _mm256_max_ps(near(0), near(1));
@@ -96,38 +146,34 @@ impl Avx2 {
 
     /// A row of corners relative to the ray's origin.
     #[inline(always)]
-    unsafe fn row(&self, ray: &Prepared, corner: &[[f32; LANES]; 3], axis: usize) -> __m128 {
+    unsafe fn row(&self, corner: &[[f32; LANES]; 3], axis: usize) -> __m128 {
         // SAFETY: the row is the corner's; the features are the trait's promise.
         unsafe {
-            let row = corner.as_ptr().cast::<f32>().add(ray.corner_row[axis]);
+            let row = corner.as_ptr().cast::<f32>().add(self.corner_row[axis]);
             _mm_sub_ps(_mm_load_ps(row), self.origin[axis])
         }
     }
 
     /// A corner of all triangles relative to the ray, sheared so that the ray is the third axis.
     #[inline(always)]
-    unsafe fn corner(
-        &self,
-        ray: &Prepared,
-        corner: &[[f32; LANES]; 3],
-    ) -> (__m128, __m128, __m128) {
+    unsafe fn corner(&self, corner: &[[f32; LANES]; 3]) -> (__m128, __m128, __m128) {
         // SAFETY: the features are the trait's promise.
         unsafe {
-            let z = self.row(ray, corner, 2);
-            let x = _mm_sub_ps(self.row(ray, corner, 0), _mm_mul_ps(self.shear[0], z));
-            let y = _mm_sub_ps(self.row(ray, corner, 1), _mm_mul_ps(self.shear[1], z));
+            let z = self.row(corner, 2);
+            let x = _mm_sub_ps(self.row(corner, 0), _mm_mul_ps(self.shear[0], z));
+            let y = _mm_sub_ps(self.row(corner, 1), _mm_mul_ps(self.shear[1], z));
             (x, y, z)
         }
     }
 
     /// Edge functions, twice the signed area, distance, and the lanes that may be hit.
     #[inline(always)]
-    unsafe fn edges(&self, ray: &Prepared, pack: &Pack, limit: f32) -> Edges {
+    unsafe fn edges(&self, pack: &Pack, limit: f32) -> Edges {
         // SAFETY: the features are the trait's promise.
         unsafe {
-            let (ax, ay, az) = self.corner(ray, &pack.corner[0]);
-            let (bx, by, bz) = self.corner(ray, &pack.corner[1]);
-            let (cx, cy, cz) = self.corner(ray, &pack.corner[2]);
+            let (ax, ay, az) = self.corner(&pack.corner[0]);
+            let (bx, by, bz) = self.corner(&pack.corner[1]);
+            let (cx, cy, cz) = self.corner(&pack.corner[2]);
             // Not fused: the sign must flip exactly when the edge's corners are swapped.
             let u = _mm_sub_ps(_mm_mul_ps(cx, by), _mm_mul_ps(cy, bx));
             let v = _mm_sub_ps(_mm_mul_ps(ax, cy), _mm_mul_ps(ay, cx));
@@ -142,7 +188,7 @@ impl Avx2 {
             let det = _mm_add_ps(_mm_add_ps(u, v), w);
             let depth =
                 _mm_add_ps(_mm_add_ps(_mm_mul_ps(u, az), _mm_mul_ps(v, bz)), _mm_mul_ps(w, cz));
-            let t = _mm_mul_ps(_mm_div_ps(depth, det), _mm_set1_ps(ray.sign));
+            let t = _mm_mul_ps(_mm_div_ps(depth, det), self.sign);
             let range = _mm_and_ps(
                 _mm_cmpge_ps(t, _mm256_castps256_ps128(self.t_min)),
                 _mm_cmple_ps(t, _mm_set1_ps(limit)),
@@ -185,25 +231,81 @@ unsafe fn lanes(x: __m128) -> Lanes {
 
 impl Kernel for Avx2 {
     #[inline(always)]
-    unsafe fn new(ray: &Prepared) -> Self {
-        // SAFETY: the features are the trait's promise.
+    unsafe fn new(ray: &Ray) -> Option<Self> {
+        // SAFETY: `Ray` is eight floats in this order; the features are the trait's promise.
         unsafe {
-            Self {
-                inverse: ray.inverse.map(|x| _mm256_set1_ps(x)),
-                near: ray.near.map(|x| _mm256_set1_ps(x)),
-                far: ray.far.map(|x| _mm256_set1_ps(x)),
-                t_min: _mm256_set1_ps(ray.t_min),
-                t_max: _mm256_set1_ps(ray.t_max),
-                origin: ray.axis.map(|a| _mm_set1_ps(ray.origin[a])),
-                shear: ray.shear.map(|x| _mm_set1_ps(x)),
+            let floats = std::ptr::from_ref(ray).cast::<f32>();
+            let origin = _mm_loadu_ps(floats); // and t_min
+            let direction = _mm_loadu_ps(floats.add(4)); // and t_max
+            let sign_bit = _mm_set1_ps(-0.0);
+            let size = _mm_andnot_ps(sign_bit, direction);
+            let distance = _mm_andnot_ps(sign_bit, origin);
+            let scales = largest(size);
+            let scale = _mm_cvtss_f32(scales);
+            let finite = _mm_cmplt_ps(size, _mm_set1_ps(f32::INFINITY));
+            let near = _mm_cmple_ps(distance, _mm_set1_ps(FAR));
+            let valid = _mm_movemask_ps(_mm_and_ps(finite, near)) & 7 == 7;
+            // Comparisons with NaN are false.
+            if !(valid & (scale > 0.0) & (ray.t_min <= ray.t_max)) {
+                return None;
             }
+            let scales = _mm_shuffle_ps::<0>(scales, scales);
+            let last = _mm_movemask_ps(_mm_cmpeq_ps(size, scales)).trailing_zeros() as usize % 4;
+            let order = _mm_loadu_si128(PERMUTE.get_unchecked(last).as_ptr().cast());
+            let permuted = _mm_permutevar_ps(direction, order);
+            let main = _mm_shuffle_ps::<0b10_10_10_10>(permuted, permuted);
+            let shear = _mm_div_ps(permuted, main);
+            let from = _mm_permutevar_ps(origin, order);
+
+            let least =
+                _mm_max_ps(_mm_mul_ps(scales, _mm_set1_ps(LEAST)), _mm_set1_ps(f32::MIN_POSITIVE));
+            let magnitude = _mm_div_ps(scales, _mm_max_ps(size, least));
+            let inverse = _mm_or_ps(magnitude, _mm_and_ps(direction, sign_bit));
+            let reach = largest(distance);
+            let reach = _mm_shuffle_ps::<0>(reach, reach);
+            let pad = _mm_mul_ps(_mm_mul_ps(reach, _mm_set1_ps(PAD)), magnitude);
+            let octant = _mm_movemask_ps(direction) as usize & 7;
+            let [near_row, far_row] = *ROWS.get_unchecked(octant);
+
+            let axis = *AXES.get_unchecked(last);
+            let frame = Frame {
+                origin: ray.origin.to_array(),
+                axis,
+                shear: [_mm_cvtss_f32(shear), _mm_cvtss_f32(_mm_movehdup_ps(shear))],
+                sign: 1.0f32.copysign(_mm_cvtss_f32(main)),
+                t_min: max(ray.t_min, 0.0) * scale,
+                t_max: ray.t_max * scale,
+                scale,
+            };
+            Some(Self {
+                frame,
+                inverse: spread(inverse),
+                near: spread(_mm_fnmsub_ps(origin, inverse, pad)),
+                far: spread(_mm_fnmadd_ps(origin, inverse, pad)),
+                t_min: _mm256_set1_ps(frame.t_min),
+                t_max: _mm256_set1_ps(frame.t_max),
+                origin: spread(from).map(|x| _mm256_castps256_ps128(x)),
+                shear: [
+                    _mm_shuffle_ps::<0>(shear, shear),
+                    _mm_shuffle_ps::<0b01_01_01_01>(shear, shear),
+                ],
+                sign: _mm_set1_ps(frame.sign),
+                near_row,
+                far_row,
+                corner_row: axis.map(|a| a * LANES),
+                order_shift: 3 * octant as u32,
+            })
         }
+    }
+
+    #[inline(always)]
+    fn frame(&self) -> &Frame {
+        &self.frame
     }
 
     #[inline(always)]
     unsafe fn children(
         &self,
-        ray: &Prepared,
         node: &Node,
         limit: f32,
         child: *mut Child,
@@ -211,10 +313,10 @@ impl Kernel for Avx2 {
     ) -> (usize, Child) {
         // SAFETY: there is room for eight; the features are the trait's promise.
         unsafe {
-            let (enter, leave) = self.slabs(ray, node, _mm256_set1_ps(limit));
+            let (enter, leave) = self.slabs(node, _mm256_set1_ps(limit));
             let met = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave);
             let order = _mm256_load_si256(node.order.as_ptr().cast());
-            let order = _mm256_srl_epi32(order, _mm_cvtsi32_si128(ray.order_shift as i32));
+            let order = _mm256_srl_epi32(order, _mm_cvtsi32_si128(self.order_shift as i32));
             let children = _mm256_load_si256(node.child.as_ptr().cast());
             let children = _mm256_permutevar8x32_epi32(children, order);
             let mut sorted = Sorted([Child(0); WIDTH]);
@@ -231,15 +333,10 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    unsafe fn any_children(
-        &self,
-        ray: &Prepared,
-        node: &Node,
-        child: *mut Child,
-    ) -> (usize, Child) {
+    unsafe fn any_children(&self, node: &Node, child: *mut Child) -> (usize, Child) {
         // SAFETY: there is room for eight; the features are the trait's promise.
         unsafe {
-            let (enter, leave) = self.slabs(ray, node, self.t_max);
+            let (enter, leave) = self.slabs(node, self.t_max);
             let met = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave);
             let mask = _mm256_movemask_ps(met) as u32;
             let last = *node.child.get_unchecked(31 - (mask | 1).leading_zeros() as usize);
@@ -252,10 +349,10 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    unsafe fn closest(&self, ray: &Prepared, pack: &Pack, best: &mut Best) {
+    unsafe fn closest(&self, pack: &Pack, best: &mut Best) {
         // SAFETY: the features are the trait's promise.
         unsafe {
-            let e = self.edges(ray, pack, best.t);
+            let e = self.edges(pack, best.t);
             let mut hits = e.hits;
             if hits != 0 {
                 let (t, v, w, det) = (lanes(e.t), lanes(e.v), lanes(e.w), lanes(e.det));
@@ -275,7 +372,7 @@ impl Kernel for Avx2 {
             }
             if e.edge_on != 0 {
                 for lane in (0..LANES).filter(|lane| e.edge_on >> lane & 1 == 1) {
-                    if let Some(hit) = edge_on(ray, pack, lane, best.t) {
+                    if let Some(hit) = edge_on(&self.frame, pack, lane, best.t) {
                         *best = hit;
                     }
                 }
@@ -284,13 +381,13 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    unsafe fn any(&self, ray: &Prepared, pack: &Pack) -> bool {
+    unsafe fn any(&self, pack: &Pack) -> bool {
         // SAFETY: the features are the trait's promise.
-        let e = unsafe { self.edges(ray, pack, ray.t_max) };
+        let e = unsafe { self.edges(pack, self.frame.t_max) };
         e.hits != 0
             || (e.edge_on != 0
                 && (0..LANES)
                     .filter(|lane| e.edge_on >> lane & 1 == 1)
-                    .any(|lane| edge_on(ray, pack, lane, ray.t_max).is_some()))
+                    .any(|lane| edge_on(&self.frame, pack, lane, self.frame.t_max).is_some()))
     }
 }

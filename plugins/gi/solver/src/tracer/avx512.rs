@@ -6,7 +6,7 @@ use super::{
     Hit, Ray,
     avx2::{self, Avx2, Sorted},
     node::{Child, Node, Pack, Tree, WIDTH},
-    ray::Prepared,
+    ray::Frame,
     traverse::{self, Kernel},
     triangle::Best,
 };
@@ -32,20 +32,23 @@ pub(super) unsafe fn occluded(tree: &Tree, ray: &Ray) -> bool {
     unsafe { traverse::occluded::<Avx512>(tree, ray) }
 }
 
-#[derive(Clone, Copy)]
 struct Avx512(Avx2);
 
 impl Kernel for Avx512 {
     #[inline(always)]
-    unsafe fn new(ray: &Prepared) -> Self {
+    unsafe fn new(ray: &Ray) -> Option<Self> {
         // SAFETY: the features are the trait's promise.
-        Self(unsafe { Avx2::new(ray) })
+        unsafe { Avx2::new(ray) }.map(Self)
+    }
+
+    #[inline(always)]
+    fn frame(&self) -> &Frame {
+        self.0.frame()
     }
 
     #[inline(always)]
     unsafe fn children(
         &self,
-        ray: &Prepared,
         node: &Node,
         limit: f32,
         child: *mut Child,
@@ -54,12 +57,12 @@ impl Kernel for Avx512 {
         // SAFETY: there is room for eight; the features are the trait's promise.
         unsafe {
             let order = _mm256_load_si256(node.order.as_ptr().cast());
-            let order = _mm256_srl_epi32(order, _mm_cvtsi32_si128(ray.order_shift as i32));
+            let order = _mm256_srl_epi32(order, _mm_cvtsi32_si128(self.0.order_shift as i32));
             let children = _mm256_load_si256(node.child.as_ptr().cast());
             let children = _mm256_permutexvar_epi32(order, children);
             let mut sorted = Sorted([Child(0); WIDTH]);
             _mm256_store_si256(sorted.0.as_mut_ptr().cast(), children);
-            let (enter, leave) = self.0.slabs(ray, node, _mm256_set1_ps(limit));
+            let (enter, leave) = self.0.slabs(node, _mm256_set1_ps(limit));
             let enter = _mm256_permutexvar_ps(order, enter);
             let leave = _mm256_permutexvar_ps(order, leave);
             let mask = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, leave);
@@ -72,15 +75,10 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
-    unsafe fn any_children(
-        &self,
-        ray: &Prepared,
-        node: &Node,
-        child: *mut Child,
-    ) -> (usize, Child) {
+    unsafe fn any_children(&self, node: &Node, child: *mut Child) -> (usize, Child) {
         // SAFETY: there is room for eight; the features are the trait's promise.
         unsafe {
-            let (enter, leave) = self.0.slabs(ray, node, self.0.t_max);
+            let (enter, leave) = self.0.slabs(node, self.0.t_max);
             let mask = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, leave);
             let last =
                 *node.child.get_unchecked(31 - (u32::from(mask) | 1).leading_zeros() as usize);
@@ -91,14 +89,14 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
-    unsafe fn closest(&self, ray: &Prepared, pack: &Pack, best: &mut Best) {
+    unsafe fn closest(&self, pack: &Pack, best: &mut Best) {
         // SAFETY: the features are the trait's promise.
-        unsafe { self.0.closest(ray, pack, best) }
+        unsafe { self.0.closest(pack, best) }
     }
 
     #[inline(always)]
-    unsafe fn any(&self, ray: &Prepared, pack: &Pack) -> bool {
+    unsafe fn any(&self, pack: &Pack) -> bool {
         // SAFETY: the features are the trait's promise.
-        unsafe { self.0.any(ray, pack) }
+        unsafe { self.0.any(pack) }
     }
 }

@@ -3,7 +3,7 @@
 use super::{
     Hit, Ray,
     node::{Child, LANES, Node, Pack, Tree, WIDTH},
-    ray::{Prepared, max, min},
+    ray::{Frame, LEAST, PAD, max, min},
     traverse::{self, Kernel},
     triangle::{Best, edge_on},
 };
@@ -18,17 +18,31 @@ pub(super) fn occluded(tree: &Tree, ray: &Ray) -> bool {
     unsafe { traverse::occluded::<Portable>(tree, ray) }
 }
 
-#[derive(Clone, Copy)]
-struct Portable;
+/// One ray's constants.
+struct Portable {
+    frame: Frame,
+    /// Reciprocal direction; never zero, never infinite.
+    inverse: [f32; 3],
+    /// Plane distance = plane * inverse + offset, rounded towards the ray's start ...
+    near: [f32; 3],
+    /// ... and towards its end.
+    far: [f32; 3],
+    /// The rows of `Node::bounds` through which the ray enters, by axis.
+    near_row: [usize; 3],
+    /// The same for leaving.
+    far_row: [usize; 3],
+    /// Three times the octant.
+    order_shift: u32,
+}
 
 /// Entry distances, and a bit for each box that the ray meets.
 #[inline(always)]
-fn slabs(ray: &Prepared, node: &Node, limit: f32) -> ([f32; WIDTH], u32) {
-    let mut enter = [ray.t_min; WIDTH];
+fn slabs(ray: &Portable, node: &Node, limit: f32) -> ([f32; WIDTH], u32) {
+    let mut enter = [ray.frame.t_min; WIDTH];
     let mut leave = [limit; WIDTH];
     for a in 0..3 {
-        let near = &node.bounds[ray.near_row[a] / WIDTH];
-        let far = &node.bounds[ray.far_row[a] / WIDTH];
+        let near = &node.bounds[ray.near_row[a]];
+        let far = &node.bounds[ray.far_row[a]];
         for i in 0..WIDTH {
             enter[i] = max(near[i] * ray.inverse[a] + ray.near[a], enter[i]);
             leave[i] = min(far[i] * ray.inverse[a] + ray.far[a], leave[i]);
@@ -44,7 +58,7 @@ fn slabs(ray: &Prepared, node: &Node, limit: f32) -> ([f32; WIDTH], u32) {
 /// Edge functions of the second and third corner, their sum with the first's, distance; and bits
 /// for the lanes that are hit and that are seen edge-on.
 #[inline(always)]
-fn edges(ray: &Prepared, pack: &Pack, limit: f32) -> ([[f32; LANES]; 4], u32, u32) {
+fn edges(ray: &Frame, pack: &Pack, limit: f32) -> ([[f32; LANES]; 4], u32, u32) {
     let mut p = [[[0.0; LANES]; 3]; 3];
     for (p, corner) in p.iter_mut().zip(&pack.corner) {
         for i in 0..LANES {
@@ -76,24 +90,44 @@ fn edges(ray: &Prepared, pack: &Pack, limit: f32) -> ([[f32; LANES]; 4], u32, u3
 
 impl Kernel for Portable {
     #[inline(always)]
-    unsafe fn new(_: &Prepared) -> Self {
-        Self
+    unsafe fn new(ray: &Ray) -> Option<Self> {
+        let frame = Frame::new(ray)?;
+        let origin = frame.origin;
+        let direction = ray.direction.to_array();
+        let reach = max(max(origin[0].abs(), origin[1].abs()), origin[2].abs());
+        let least = max(frame.scale * LEAST, f32::MIN_POSITIVE);
+        let magnitude = direction.map(|d| frame.scale / max(d.abs(), least));
+        let inverse = [0, 1, 2].map(|a| magnitude[a].copysign(direction[a]));
+        let negative = direction.map(|d| (d.to_bits() >> 31) as usize);
+        Some(Self {
+            frame,
+            inverse,
+            near: [0, 1, 2].map(|a| -origin[a] * inverse[a] - reach * PAD * magnitude[a]),
+            far: [0, 1, 2].map(|a| -origin[a] * inverse[a] + reach * PAD * magnitude[a]),
+            near_row: [0, 1, 2].map(|a| a + 3 * negative[a]),
+            far_row: [0, 1, 2].map(|a| a + 3 - 3 * negative[a]),
+            order_shift: 3 * (negative[0] | negative[1] << 1 | negative[2] << 2) as u32,
+        })
+    }
+
+    #[inline(always)]
+    fn frame(&self) -> &Frame {
+        &self.frame
     }
 
     #[inline(always)]
     unsafe fn children(
         &self,
-        ray: &Prepared,
         node: &Node,
         limit: f32,
         child: *mut Child,
         distance: *mut f32,
     ) -> (usize, Child) {
-        let (enter, met) = slabs(ray, node, limit);
+        let (enter, met) = slabs(self, node, limit);
         let mut count = 0;
         let mut nearest = Child::node(0);
         for order in node.order {
-            let i = (order >> ray.order_shift) as usize & (WIDTH - 1);
+            let i = (order >> self.order_shift) as usize & (WIDTH - 1);
             // SAFETY: at most eight are written.
             unsafe {
                 child.add(count).write(node.child[i]);
@@ -108,13 +142,8 @@ impl Kernel for Portable {
     }
 
     #[inline(always)]
-    unsafe fn any_children(
-        &self,
-        ray: &Prepared,
-        node: &Node,
-        child: *mut Child,
-    ) -> (usize, Child) {
-        let (_, mut met) = slabs(ray, node, ray.t_max);
+    unsafe fn any_children(&self, node: &Node, child: *mut Child) -> (usize, Child) {
+        let (_, mut met) = slabs(self, node, self.frame.t_max);
         let mut count = 0;
         let mut last = Child::node(0);
         while met != 0 {
@@ -128,8 +157,8 @@ impl Kernel for Portable {
     }
 
     #[inline(always)]
-    unsafe fn closest(&self, ray: &Prepared, pack: &Pack, best: &mut Best) {
-        let ([v, w, det, t], hits, edges_on) = edges(ray, pack, best.t);
+    unsafe fn closest(&self, pack: &Pack, best: &mut Best) {
+        let ([v, w, det, t], hits, edges_on) = edges(&self.frame, pack, best.t);
         if hits | edges_on == 0 {
             return;
         }
@@ -145,18 +174,18 @@ impl Kernel for Portable {
             }
         }
         for lane in (0..LANES).filter(|lane| edges_on >> lane & 1 == 1) {
-            if let Some(hit) = edge_on(ray, pack, lane, best.t) {
+            if let Some(hit) = edge_on(&self.frame, pack, lane, best.t) {
                 *best = hit;
             }
         }
     }
 
     #[inline(always)]
-    unsafe fn any(&self, ray: &Prepared, pack: &Pack) -> bool {
-        let (_, hits, edges_on) = edges(ray, pack, ray.t_max);
+    unsafe fn any(&self, pack: &Pack) -> bool {
+        let (_, hits, edges_on) = edges(&self.frame, pack, self.frame.t_max);
         hits != 0
             || (0..LANES)
                 .filter(|lane| edges_on >> lane & 1 == 1)
-                .any(|lane| edge_on(ray, pack, lane, ray.t_max).is_some())
+                .any(|lane| edge_on(&self.frame, pack, lane, self.frame.t_max).is_some())
     }
 }

@@ -5,48 +5,50 @@ use std::mem::MaybeUninit;
 use super::{
     Hit, Ray,
     node::{Child, Node, Pack, STACK, Tree},
-    ray::Prepared,
+    ray::Frame,
     triangle::Best,
 };
 
-/// Tests of one ray against eight boxes or four triangles.
+/// One ray's tests against eight boxes and four triangles.
 ///
 /// # Safety
 /// The implementation's instructions must exist on this processor.
-pub(super) trait Kernel: Copy {
-    unsafe fn new(ray: &Prepared) -> Self;
+pub(super) trait Kernel: Sized {
+    /// Nothing for a ray that can't hit, as [`Frame::new`].
+    unsafe fn new(ray: &Ray) -> Option<Self>;
+
+    fn frame(&self) -> &Frame;
 
     /// Writes the children that the ray meets before `limit`, the nearest last, and returns how
     /// many and, for a shorter way to it, the nearest; there must be room for `WIDTH`.
     unsafe fn children(
         &self,
-        ray: &Prepared,
         node: &Node,
         limit: f32,
         child: *mut Child,
         distance: *mut f32,
     ) -> (usize, Child);
 
-    /// The same in any order and without distances.
-    unsafe fn any_children(&self, ray: &Prepared, node: &Node, child: *mut Child)
-    -> (usize, Child);
+    /// The same in the node's own order and without distances.
+    unsafe fn any_children(&self, node: &Node, child: *mut Child) -> (usize, Child);
 
     /// Takes the pack's closest hit if it is closer.
-    unsafe fn closest(&self, ray: &Prepared, pack: &Pack, best: &mut Best);
+    unsafe fn closest(&self, pack: &Pack, best: &mut Best);
 
     /// Whether one of the pack's triangles is hit.
-    unsafe fn any(&self, ray: &Prepared, pack: &Pack) -> bool;
+    unsafe fn any(&self, pack: &Pack) -> bool;
 }
 
 /// # Safety
 /// As [`Kernel`].
 #[inline(always)]
 pub(super) unsafe fn closest<K: Kernel>(tree: &Tree, ray: &Ray) -> Hit {
-    let Some(ray) = Prepared::new(ray) else { return Hit::NONE };
+    // SAFETY: the caller's promise.
+    let Some(kernel) = (unsafe { K::new(ray) }) else { return Hit::NONE };
     if tree.nodes.is_empty() {
         return Hit::NONE;
     }
-    let mut best = Best::new(ray.t_max);
+    let mut best = Best::new(kernel.frame().t_max);
     let mut child = [MaybeUninit::<Child>::uninit(); STACK];
     let mut distance = [MaybeUninit::<f32>::uninit(); STACK];
     let child = child.as_mut_ptr().cast::<Child>();
@@ -54,18 +56,17 @@ pub(super) unsafe fn closest<K: Kernel>(tree: &Tree, ray: &Ray) -> Hit {
     // SAFETY: the stack has room for a tree of MAX_DEPTH, which the builder keeps to, entries below
     // `top` have been written, and the tree's indices lie in its arrays.
     unsafe {
-        let kernel = K::new(&ray);
         let mut next = Child::node(0);
         let mut top = 0;
         loop {
             if next.is_leaf() {
                 for pack in next.packs() {
-                    kernel.closest(&ray, tree.packs.get_unchecked(pack), &mut best);
+                    kernel.closest(tree.packs.get_unchecked(pack), &mut best);
                 }
             } else {
                 let node = tree.nodes.get_unchecked(next.index());
                 let (count, nearest) =
-                    kernel.children(&ray, node, best.t, child.add(top), distance.add(top));
+                    kernel.children(node, best.t, child.add(top), distance.add(top));
                 if count > 0 {
                     top += count - 1;
                     next = nearest;
@@ -74,7 +75,7 @@ pub(super) unsafe fn closest<K: Kernel>(tree: &Tree, ray: &Ray) -> Hit {
             }
             loop {
                 if top == 0 {
-                    return best.hit(&ray);
+                    return best.hit(kernel.frame());
                 }
                 top -= 1;
                 if distance.add(top).read() <= best.t {
@@ -90,7 +91,8 @@ pub(super) unsafe fn closest<K: Kernel>(tree: &Tree, ray: &Ray) -> Hit {
 /// As [`Kernel`].
 #[inline(always)]
 pub(super) unsafe fn occluded<K: Kernel>(tree: &Tree, ray: &Ray) -> bool {
-    let Some(ray) = Prepared::new(ray) else { return false };
+    // SAFETY: the caller's promise.
+    let Some(kernel) = (unsafe { K::new(ray) }) else { return false };
     if tree.nodes.is_empty() {
         return false;
     }
@@ -98,19 +100,18 @@ pub(super) unsafe fn occluded<K: Kernel>(tree: &Tree, ray: &Ray) -> bool {
     let child = child.as_mut_ptr().cast::<Child>();
     // SAFETY: as in `closest`.
     unsafe {
-        let kernel = K::new(&ray);
         let mut next = Child::node(0);
         let mut top = 0;
         loop {
             if next.is_leaf() {
                 for pack in next.packs() {
-                    if kernel.any(&ray, tree.packs.get_unchecked(pack)) {
+                    if kernel.any(tree.packs.get_unchecked(pack)) {
                         return true;
                     }
                 }
             } else {
                 let node = tree.nodes.get_unchecked(next.index());
-                let (count, first) = kernel.any_children(&ray, node, child.add(top));
+                let (count, first) = kernel.any_children(node, child.add(top));
                 if count > 0 {
                     top += count - 1;
                     next = first;

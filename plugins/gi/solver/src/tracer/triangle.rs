@@ -3,10 +3,10 @@
 use super::{
     Hit,
     node::{LANES, Pack},
-    ray::Prepared,
+    ray::Frame,
 };
 
-/// The closest hit so far, in the units of [`Prepared`].
+/// The closest hit so far, in the units of [`Frame`].
 #[derive(Clone, Copy)]
 pub(super) struct Best {
     pub(super) t: f32,
@@ -24,12 +24,12 @@ impl Best {
     }
 
     #[inline(always)]
-    pub(super) fn hit(&self, ray: &Prepared) -> Hit {
+    pub(super) fn hit(&self, frame: &Frame) -> Hit {
         if self.triangle == Hit::MISS {
             return Hit::NONE;
         }
         Hit {
-            t: self.t / ray.scale,
+            t: self.t / frame.scale,
             u: self.v / self.det,
             v: self.w / self.det,
             triangle: self.triangle,
@@ -42,13 +42,13 @@ impl Best {
 /// nearly edge-on, and one that has no area in projection is not hit.
 #[cold]
 #[inline(never)]
-pub(super) fn edge_on(ray: &Prepared, pack: &Pack, lane: usize, limit: f32) -> Option<Best> {
+pub(super) fn edge_on(frame: &Frame, pack: &Pack, lane: usize, limit: f32) -> Option<Best> {
     debug_assert!(lane < LANES);
-    let [x, y, z] = ray.axis;
+    let [x, y, z] = frame.axis;
     let corner = [0, 1, 2].map(|c| {
-        let p = |a: usize| pack.corner[c][a][lane] - ray.origin[a];
+        let p = |a: usize| pack.corner[c][a][lane] - frame.origin[a];
         let depth = p(z);
-        [p(x) - ray.shear[0] * depth, p(y) - ray.shear[1] * depth, depth].map(f64::from)
+        [p(x) - frame.shear[0] * depth, p(y) - frame.shear[1] * depth, depth].map(f64::from)
     });
     let [a, b, c] = corner;
     let u = c[0] * b[1] - c[1] * b[0];
@@ -59,8 +59,8 @@ pub(super) fn edge_on(ray: &Prepared, pack: &Pack, lane: usize, limit: f32) -> O
     if !inside || det == 0.0 {
         return None;
     }
-    let t = ((u * a[2] + v * b[2] + w * c[2]) / det) as f32 * ray.sign;
-    (t >= ray.t_min && t <= limit).then(|| Best {
+    let t = ((u * a[2] + v * b[2] + w * c[2]) / det) as f32 * frame.sign;
+    (t >= frame.t_min && t <= limit).then(|| Best {
         t,
         v: (v / det) as f32,
         w: (w / det) as f32,
