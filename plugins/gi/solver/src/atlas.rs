@@ -83,6 +83,12 @@ impl Atlas {
         self.pages.len() as u32
     }
 
+    /// Texels of all pages that there may be.
+    #[must_use]
+    pub fn capacity(&self) -> usize {
+        self.page_size as usize * self.page_size as usize * self.max_pages as usize
+    }
+
     /// Texels in use.
     #[must_use]
     pub fn used_area(&self) -> usize {

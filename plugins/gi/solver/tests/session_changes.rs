@@ -219,6 +219,21 @@ fn full_pages_lower_the_density_until_everything_fits() {
 }
 
 #[test]
+fn more_receivers_than_room_are_refused_at_last() {
+    let mut b = Builder::default();
+    for i in 0..300 {
+        b.quad(Vec3::X * 2.0 * i as f32, Vec3::Z, Vec3::X, Vec3::ONE);
+    }
+    let settings = SessionSettings { page_size: 64, rays_per_texel: 64, ..small() };
+    let mut session = b.session(settings);
+    let updates = settle(&mut session);
+    let placed = updates.iter().map(|u| u.placements.len()).sum::<usize>();
+    let refused: Vec<_> = updates.iter().flat_map(|u| &u.refused).collect();
+    assert_eq!((placed, refused.len()), (256, 44), "16 x 16 rectangles of 4 x 4 texels");
+    assert!(refused.iter().all(|(_, why)| why.contains("full")));
+}
+
+#[test]
 fn both_sides_of_a_board_reflect() {
     // A board between light and receiver: lit from above, its upper side lights the ceiling, its
     // lower side is lit by the floor and lights it in turn.

@@ -1,6 +1,7 @@
 //! Gives receivers their rectangles.
 
 use std::{
+    cmp::Reverse,
     collections::{BTreeMap, BTreeSet},
     sync::Arc,
 };
@@ -19,7 +20,9 @@ const ALIGN: u32 = 4;
 /// Texels around a rectangle that repeat its edge, so that bilinear lookups never leave it.
 pub(super) const PADDING: u32 = 1;
 /// Steps by which the density is lowered until everything fits.
-const LOWER: f32 = 0.94;
+const LOWER: f32 = 0.96;
+/// Orders of packing that are tried at each density.
+const ORDERS: u32 = 4;
 /// A receiver keeps its rectangle while its ideal edges change by less than this factor.
 const KEEP: f32 = 1.3;
 
@@ -93,20 +96,26 @@ impl Places {
                 self.atlas.free(place.page, place.padded);
             }
         }
-        if sizes.keys().all(|id| self.places.contains_key(id)) || self.add_missing(&sizes) {
+        if sizes.keys().all(|id| self.places.contains_key(id)) || self.add_missing(&sizes, 0) {
             return refused;
         }
         // Something has no room: everything is packed anew, coarser and coarser.
         loop {
-            self.atlas.clear();
-            self.places.clear();
-            if self.add_missing(&sizes) {
-                return refused;
+            let orders = match sizes.len() {
+                _ if self.area(&sizes) > self.atlas.capacity() => 0,
+                0..1000 => ORDERS,
+                _ => 1,
+            };
+            for order in 0..orders {
+                self.atlas.clear();
+                self.places.clear();
+                if self.add_missing(&sizes, order) {
+                    return refused;
+                }
             }
-            let smallest = sizes.values().all(|s| {
-                edge(s.x * self.density, 4096) == ALIGN && edge(s.y * self.density, 4096) == ALIGN
-            });
-            if smallest {
+            let smallest = |s: &Vec2| (*s * self.density).max_element() <= (ALIGN - 2) as f32;
+            if sizes.values().all(smallest) {
+                self.add_missing(&sizes, 0);
                 for id in sizes.keys().filter(|id| !self.places.contains_key(id)) {
                     refused.insert(*id, Arc::from("all lightmap pages are full"));
                 }
@@ -116,8 +125,19 @@ impl Places {
         }
     }
 
-    /// Places what has no place, large ones first. Returns whether all found room.
-    fn add_missing(&mut self, sizes: &BTreeMap<InstanceId, Vec2>) -> bool {
+    /// Texels that all receivers take at the present density.
+    fn area(&self, sizes: &BTreeMap<InstanceId, Vec2>) -> usize {
+        let page = self.atlas.page_size();
+        let area = |size: &Vec2| {
+            let [w, h] = (*size * self.density).to_array().map(|v| edge(v, page) as usize);
+            w * h
+        };
+        sizes.values().map(area).sum()
+    }
+
+    /// Places what has no place, large ones first in one of several senses. Returns whether all found
+    /// room.
+    fn add_missing(&mut self, sizes: &BTreeMap<InstanceId, Vec2>, order: u32) -> bool {
         let page = self.atlas.page_size();
         let mut missing: Vec<(u32, u32, InstanceId, Vec2)> = sizes
             .iter()
@@ -127,7 +147,15 @@ impl Places {
                 (w, h, *id, *size)
             })
             .collect();
-        missing.sort_unstable_by_key(|(w, h, id, _)| (std::cmp::Reverse(*w.max(h)), *w, *h, *id));
+        missing.sort_unstable_by_key(|(w, h, id, _)| {
+            let large = match order {
+                0 => *w.max(h),
+                1 => w * h,
+                2 => *h,
+                _ => *w,
+            };
+            (Reverse(large), Reverse(w * h), *w, *id)
+        });
         let mut all = true;
         for (width, height, id, ideal) in missing {
             match self.atlas.allocate(width, height) {
