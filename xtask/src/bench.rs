@@ -2,19 +2,23 @@
 
 use crate::args::Args;
 use crate::setup::{self, Purpose};
-use crate::{Failure, environment, process, soak};
+use crate::{Failure, environment, process, reference, soak};
 
 pub(crate) const HELP: &str = "\
 cargo xtask bench [tracing] [--no-install] [-- OPTIONS]
+cargo xtask bench reference [--samples N] [--no-install]
 cargo xtask bench soak [--minutes N] [--no-install]
 
   tracing        rays per second on one core, ours beside Embree's where it is installed (Debian's
-                 libembree-dev), coherent and incoherent, closest and any hits; needs the folder
-                 that FARLIGHT_TEST_DATA names
+                 libembree-dev), coherent and incoherent, closest and any hits; the scene is a
+                 real room if FARLIGHT_TEST_DATA names the folder with it, else a generated one
+  reference      bakes two scenes and compares irradiance, probes and visibility with those of an
+                 independent renderer, in the folder that FARLIGHT_TEST_DATA names
   soak           runs the demo headless for ten minutes and watches the memory of its process; fails
-                 if it grows after the first fifth of the time
+                 if it grows after the second fifth of the time
 
-  --minutes N    how long to soak
+  --samples N    paths a receiver (default 65536)
+  --minutes N    how long to soak (default 10)
   --no-install   only name missing system packages
   -- ...         is given to the benchmark or the demo
 ";
@@ -33,6 +37,12 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
             }
             process::run(&mut cargo)
         }
+        Some("reference") => {
+            let samples = args.parsed::<u32>("--samples", "a number of paths")?.unwrap_or(65_536);
+            args.finish()?;
+            setup::prepare(&[Purpose::Build], install);
+            reference::run(samples)
+        }
         Some("soak") => {
             let minutes = args.parsed::<f64>("--minutes", "a number of minutes")?.unwrap_or(10.0);
             if !(minutes > 0.0 && minutes <= 24.0 * 60.0) {
@@ -42,6 +52,6 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
             setup::prepare(&[Purpose::Build, Purpose::Render], install);
             soak::run(minutes * 60.0, &rest)
         }
-        Some(other) => Err(format!("there is no benchmark '{other}': tracing, soak.")),
+        Some(other) => Err(format!("there is no benchmark '{other}': tracing, reference, soak.")),
     }
 }

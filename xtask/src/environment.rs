@@ -53,11 +53,16 @@ pub(crate) fn target_dir() -> PathBuf {
         .map_or_else(|| root.join("target"), |folder| root.join(folder))
 }
 
+/// The folder with the large test data, if the variable names one.
+pub(crate) fn test_data() -> Option<PathBuf> {
+    std::env::var_os(TEST_DATA).map(PathBuf::from).filter(|folder| folder.is_dir())
+}
+
 /// One line on the large test data: where it is, or that tests will skip what needs it.
 pub(crate) fn test_data_line() -> String {
-    match std::env::var_os(TEST_DATA).map(PathBuf::from) {
-        Some(folder) if folder.is_dir() => format!("{TEST_DATA} is {}", folder.display()),
-        Some(folder) => format!("{TEST_DATA} is {}, which is no folder", folder.display()),
-        None => format!("{TEST_DATA} is not set: tests that need it skip themselves and say so"),
+    match (test_data(), std::env::var_os(TEST_DATA)) {
+        (Some(folder), _) => format!("{TEST_DATA} is {}", folder.display()),
+        (None, Some(name)) => format!("{TEST_DATA} is {}, which is no folder", name.display()),
+        (None, None) => format!("{TEST_DATA} is not set: what needs it is skipped and says so"),
     }
 }

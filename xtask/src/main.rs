@@ -15,6 +15,7 @@ mod environment;
 mod manifest;
 mod process;
 mod prune;
+mod reference;
 mod setup;
 mod soak;
 mod test;
