@@ -367,3 +367,62 @@ fn a_failed_backend_is_a_state_and_nothing_else_stops() {
     let GiState::Failed { reason } = &status.state else { panic!("{:?}", status.state) };
     assert_eq!(&**reason, "the server is gone");
 }
+
+#[test]
+fn a_mesh_without_a_second_uv_set_gets_one_and_keeps_its_attributes() {
+    let mut flat = Flat::new();
+    let mesh = flat.mesh(Cuboid::from_length(1.0));
+    let colors = vec![[0.5_f32, 0.25, 0.125, 1.0]; 24];
+    flat.world()
+        .resource_mut::<Assets<Mesh>>()
+        .get_mut(&mesh)
+        .unwrap()
+        .insert_attribute(Mesh::ATTRIBUTE_COLOR, colors);
+    let spawn = |flat: &mut Flat| {
+        let material = flat.material(StandardMaterial::default());
+        flat.world().spawn((Mesh3d(mesh.clone()), MeshMaterial3d(material), GiScene)).id()
+    };
+    let cube = spawn(&mut flat);
+    flat.settle();
+    assert_eq!(flat.left_out(cube), None);
+    let drawn = flat.world().get::<Mesh3d>(cube).unwrap().id();
+    assert_ne!(drawn, mesh.id());
+    // Another one of the same mesh shares what was made.
+    let other = spawn(&mut flat);
+    flat.settle();
+    assert_eq!(flat.world().get::<Mesh3d>(other).unwrap().id(), drawn);
+    let meshes = flat.world().resource::<Assets<Mesh>>();
+    let made = meshes.get(drawn).unwrap();
+    let vertices = made.count_vertices();
+    for attribute in [
+        Mesh::ATTRIBUTE_POSITION,
+        Mesh::ATTRIBUTE_NORMAL,
+        Mesh::ATTRIBUTE_UV_0,
+        Mesh::ATTRIBUTE_UV_1,
+        Mesh::ATTRIBUTE_COLOR,
+    ] {
+        assert_eq!(made.attribute(attribute).unwrap().len(), vertices, "{attribute:?}");
+    }
+    assert_eq!(meshes.get(&mesh).unwrap().count_vertices(), 24, "the original is untouched");
+    let extracted = flat.world().resource::<ExtractedScene>();
+    assert_eq!((extracted.receivers.len(), extracted.scene.meshes.len()), (2, 1));
+    let geometry = extracted.scene.meshes.values().next().unwrap();
+    assert_eq!((geometry.uv1.len(), geometry.triangles.len()), (vertices, 12));
+}
+
+#[test]
+fn an_edited_mesh_is_converted_again() {
+    let mut flat = Flat::new();
+    let quad = tagged_quad(&mut flat);
+    flat.settle();
+    flat.mock.take_changes();
+    let mesh = flat.world().get::<Mesh3d>(quad).unwrap().0.clone();
+    let mut meshes = flat.world().resource_mut::<Assets<Mesh>>();
+    *meshes.get_mut(&mesh).unwrap() = lightmapped_quad(3.0);
+    flat.settle();
+    let changes = flat.mock.take_changes();
+    let [SessionChange::Scene(SceneChange::SetMesh(_, mesh))] = &changes[..] else {
+        panic!("{changes:?}")
+    };
+    assert_eq!(mesh.positions[0].abs(), Vec3::new(1.5, 1.5, 0.0));
+}

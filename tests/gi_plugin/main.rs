@@ -1,11 +1,12 @@
 //! The Bevy side of global illumination: what is read from a scene, and what is shown of updates.
 //!
-//! Tests in `scene` need no GPU. The others render small pictures and need a Vulkan device; Mesa's
+//! `extraction` and `tags` need no GPU. The others render small pictures and need a Vulkan device; Mesa's
 //! lavapipe will do.
 
 mod extraction;
 mod mock;
 mod pictures;
+mod rooms;
 #[path = "../support/mod.rs"]
 mod support;
 mod tags;
@@ -73,7 +74,12 @@ impl Flat {
 
     /// Runs frames until conversions in tasks are done and nothing more is submitted.
     fn settle(&mut self) {
-        settle(|| self.app.update(), &self.mock);
+        let app = &mut self.app;
+        let frame = || {
+            app.update();
+            app.world().resource::<GiStatus>().converting
+        };
+        settle(frame, &self.mock);
     }
 
     fn mesh(&mut self, mesh: impl Into<Mesh>) -> Handle<Mesh> {
@@ -96,17 +102,20 @@ impl Flat {
     }
 }
 
-/// Runs frames until nothing has been submitted for a while.
-fn settle(mut update: impl FnMut(), mock: &Mock) {
-    let patience = Instant::now() + Duration::from_secs(30);
+/// Runs frames, each of which answers how many assets are being converted, until there are none
+/// and nothing more is submitted.
+fn settle(mut update: impl FnMut() -> usize, mock: &Mock) {
+    let patience = Instant::now() + Duration::from_secs(60);
     let mut quiet = 0;
     let mut seen = mock.lock().submitted.len();
-    while quiet < 8 {
-        update();
+    while quiet < 4 {
+        let converting = update();
         let now = mock.lock().submitted.len();
-        quiet = if now == seen { quiet + 1 } else { 0 };
+        quiet = if now == seen && converting == 0 { quiet + 1 } else { 0 };
         seen = now;
-        std::thread::sleep(Duration::from_millis(2));
+        if converting > 0 {
+            std::thread::sleep(Duration::from_millis(1));
+        }
         assert!(Instant::now() < patience, "the scene doesn't come to rest");
     }
 }

@@ -30,6 +30,15 @@ impl Stage {
     pub(crate) fn new() -> Self {
         let mock = Mock::default();
         let plugin = mock.plugin();
+        Self::with_plugin(mock, plugin)
+    }
+
+    /// A stage whose lighting is solved.
+    pub(crate) fn solved() -> Self {
+        Self::with_plugin(Mock::default(), GiPlugin::default())
+    }
+
+    fn with_plugin(mock: Mock, plugin: GiPlugin) -> Self {
         let headless = Headless::new(UVec2::splat(SIZE), &crate::support::assets(), |app| {
             app.add_plugins(FarlightPlugins.set(plugin))
                 .insert_resource(GlobalAmbientLight::NONE)
@@ -68,7 +77,11 @@ impl Stage {
 
     pub(crate) fn settle(&mut self) {
         let mock = self.mock.clone();
-        settle(|| self.update(), &mock);
+        let frame = || {
+            self.update();
+            self.world().resource::<GiStatus>().converting
+        };
+        settle(frame, &mock);
     }
 
     /// A picture some frames later, when what was sent before is shown.

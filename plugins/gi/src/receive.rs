@@ -115,7 +115,7 @@ pub(crate) fn receive(
             overflow |= sent.1;
             on_the_way.0.push_back(sent.0);
         }
-        set_state(&mut status, backend.0.state(), extractor.is_converting());
+        set_state(&mut status, backend.0.state());
     }
     if overflow {
         // More arrives than the GPU takes: what waits is forgotten, the pages hold it all.
@@ -188,10 +188,10 @@ fn take(
     (sent, overflow)
 }
 
-fn set_state(status: &mut GiStatus, state: BackendState, converting: bool) {
+fn set_state(status: &mut GiStatus, state: BackendState) {
     let state = match state {
         BackendState::Failed(reason) => GiState::Failed { reason },
-        _ if converting => GiState::Solving,
+        _ if status.converting > 0 => GiState::Solving,
         BackendState::Idle => GiState::Idle,
         BackendState::Solving => GiState::Solving,
         BackendState::Converged if status.receivers == 0 => GiState::Idle,

@@ -44,6 +44,8 @@ pub struct GiStatus {
     pub quality: Quality,
     /// Meshes that are lit.
     pub receivers: usize,
+    /// Meshes and images that are loaded and on their way to the backend.
+    pub converting: usize,
     /// Entities that don't take part as asked, and why; in the order of their entities.
     pub left_out: Vec<LeftOut>,
     /// Where time goes.

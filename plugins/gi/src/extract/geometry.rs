@@ -1,15 +1,15 @@
 //! Triangles of Bevy's meshes, and second UV sets for those that have none.
 
-use std::sync::Arc;
+use std::sync::{Arc, atomic::AtomicBool};
 
 use bevy::{
     math::{Vec2, Vec3},
     mesh::{Indices, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues},
     prelude::Mesh,
 };
-use farlight_gi_solver::scene;
+use farlight_gi_solver::{scene, unwrap::Unwrapped};
 
-use crate::uv1::{Uv1, second_uv_set};
+use crate::uv1::second_uv_set;
 
 /// What a task makes of a mesh.
 pub(super) struct Converted {
@@ -21,39 +21,27 @@ pub(super) struct Converted {
     pub(super) no_receiver: Option<String>,
 }
 
-/// Converts a mesh, making a second UV set where there is no usable one.
-pub(super) fn convert(mesh: &Mesh) -> Result<Converted, String> {
+/// Converts a mesh, making a second UV set where there is no usable one, until `stop` is set.
+pub(super) fn convert(
+    mesh: &Mesh,
+    texels_per_metre: f32,
+    stop: &AtomicBool,
+) -> Result<Converted, String> {
     let mut geometry = triangles(mesh)?;
     geometry.validate().map_err(|problem| problem.to_string())?;
-    match second_uv_set(&geometry) {
-        Ok(Uv1::Usable) => {
-            Ok(Converted { geometry: Arc::new(geometry), replacement: None, no_receiver: None })
-        }
-        Ok(Uv1::Made { source, uv1, triangles }) => {
-            let replacement = rebuild(mesh, &source, &uv1, &triangles)?;
-            geometry = scene::Mesh {
-                positions: pick(&geometry.positions, &source),
-                normals: pick(&geometry.normals, &source),
-                uv0: pick(&geometry.uv0, &source),
-                uv1,
-                triangles,
-            };
-            geometry.validate().map_err(|problem| problem.to_string())?;
-            Ok(Converted {
-                geometry: Arc::new(geometry),
-                replacement: Some(Box::new(replacement)),
-                no_receiver: None,
-            })
+    let (replacement, no_receiver) = match second_uv_set(&geometry, texels_per_metre, stop) {
+        Ok(unwrapped) if unwrapped.made.is_none() => (None, None),
+        Ok(unwrapped) => {
+            let replacement = rebuild(mesh, &unwrapped)?;
+            geometry = unwrapped.apply(&geometry);
+            (Some(Box::new(replacement)), None)
         }
         Err(reason) => {
             geometry.uv1.clear();
-            Ok(Converted {
-                geometry: Arc::new(geometry),
-                replacement: None,
-                no_receiver: Some(reason),
-            })
+            (None, Some(reason))
         }
-    }
+    };
+    Ok(Converted { geometry: Arc::new(geometry), replacement, no_receiver })
 }
 
 /// Positions, normals, UV sets and triangles of a mesh.
@@ -123,21 +111,16 @@ fn pick<T: Copy>(values: &[T], source: &[u32]) -> Vec<T> {
 }
 
 /// The mesh with its vertices split where the second UV set has seams; all attributes carry over.
-fn rebuild(
-    mesh: &Mesh,
-    source: &[u32],
-    uv1: &[Vec2],
-    triangles: &[[u32; 3]],
-) -> Result<Mesh, String> {
+fn rebuild(mesh: &Mesh, unwrapped: &Unwrapped) -> Result<Mesh, String> {
     let mut made = Mesh::new(PrimitiveTopology::TriangleList, mesh.asset_usage);
     for (attribute, values) in mesh.try_attributes().map_err(|_| no_data())? {
         if attribute.id != Mesh::ATTRIBUTE_UV_1.id {
-            made.insert_attribute(*attribute, gather(values, source));
+            made.insert_attribute(*attribute, gather(values, &unwrapped.source));
         }
     }
-    let uv1: Vec<[f32; 2]> = uv1.iter().map(Vec2::to_array).collect();
+    let uv1: Vec<[f32; 2]> = unwrapped.uv1.iter().map(Vec2::to_array).collect();
     made.insert_attribute(Mesh::ATTRIBUTE_UV_1, uv1);
-    made.insert_indices(Indices::U32(triangles.as_flattened().to_vec()));
+    made.insert_indices(Indices::U32(unwrapped.triangles.as_flattened().to_vec()));
     made.enable_raytracing = mesh.enable_raytracing;
     Ok(made)
 }

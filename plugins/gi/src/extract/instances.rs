@@ -124,7 +124,7 @@ fn look(
     let used_mesh = extractor.use_mesh(mesh_id, entity);
     let mesh_key = used_mesh.id;
     let readiness = match &used_mesh.stage {
-        MeshStage::Waiting | MeshStage::Converting(_) => None,
+        MeshStage::Waiting | MeshStage::Converting(..) => None,
         MeshStage::Ready { no_receiver } => Some(Ok(no_receiver.clone())),
         MeshStage::Failed(reason) => Some(Err(reason.clone())),
     };

@@ -1,6 +1,9 @@
 //! Meshes on their way to the solver.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::{
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::{Arc, atomic::AtomicBool},
+};
 
 use bevy::{
     ecs::entity::EntityHashSet,
@@ -15,8 +18,9 @@ use super::{
     set_mesh,
 };
 use crate::{
-    GiStatic,
+    GiSettings, GiStatic,
     status::{GiMeter, Stage},
+    uv1::StopOnDrop,
 };
 
 /// A mesh that instances use.
@@ -31,7 +35,10 @@ pub(super) struct MeshState {
 pub(super) enum MeshStage {
     /// The asset isn't loaded, or waits to be copied.
     Waiting,
-    Converting(Task<Result<Converted, String>>),
+    Converting(
+        Task<Result<Converted, String>>,
+        #[expect(dead_code, reason = "it acts when dropped")] StopOnDrop,
+    ),
     Ready {
         /// Why instances can't receive light, if so.
         no_receiver: Option<String>,
@@ -40,8 +47,8 @@ pub(super) enum MeshStage {
 }
 
 impl MeshState {
-    pub(super) fn is_converting(&self) -> bool {
-        matches!(self.stage, MeshStage::Converting(_))
+    fn is_unfinished(&self) -> bool {
+        matches!(self.stage, MeshStage::Waiting | MeshStage::Converting(..))
     }
 }
 
@@ -112,6 +119,7 @@ pub(crate) fn convert_meshes(
     mut extractor: ResMut<Extractor>,
     mut events: MessageReader<AssetEvent<Mesh>>,
     mut meshes: ResMut<Assets<Mesh>>,
+    settings: Res<GiSettings>,
     meter: Res<GiMeter>,
 ) {
     let _measure = meter.measure(Stage::Extract as usize);
@@ -129,15 +137,22 @@ pub(crate) fn convert_meshes(
     let unfinished = extractor
         .meshes
         .iter()
-        .filter(|(_, s)| matches!(s.stage, MeshStage::Waiting | MeshStage::Converting(_)))
+        .filter(|(_, state)| state.is_unfinished())
         .map(|(&id, _)| id)
         .collect::<Vec<_>>();
     for id in unfinished {
-        advance(extractor, id, &mut meshes);
+        advance(extractor, id, &mut meshes, settings.texels_per_metre);
+        let busy = extractor.meshes.get(&id).is_some_and(|state| state.is_unfinished());
+        extractor.converting += usize::from(busy && meshes.contains(id));
     }
 }
 
-fn advance(extractor: &mut Extractor, id: AssetId<Mesh>, meshes: &mut Assets<Mesh>) {
+fn advance(
+    extractor: &mut Extractor,
+    id: AssetId<Mesh>,
+    meshes: &mut Assets<Mesh>,
+    texels_per_metre: f32,
+) {
     let Some(state) = extractor.meshes.get_mut(&id) else { return };
     match &mut state.stage {
         MeshStage::Waiting => {
@@ -154,16 +169,18 @@ fn advance(extractor: &mut Extractor, id: AssetId<Mesh>, meshes: &mut Assets<Mes
                 return;
             }
             let copy = mesh.clone();
+            let stop = Arc::new(AtomicBool::new(false));
+            let stopper = StopOnDrop(stop.clone());
             let task = AsyncComputeTaskPool::get().spawn(async move {
                 // A mesh that trips the converter up is left out; the game goes on.
-                catch_unwind(AssertUnwindSafe(|| convert(&copy)))
+                catch_unwind(AssertUnwindSafe(|| convert(&copy, texels_per_metre, &stop)))
                     .unwrap_or_else(|_| Err("it could not be converted".into()))
             });
             if let Some(state) = extractor.meshes.get_mut(&id) {
-                state.stage = MeshStage::Converting(task);
+                state.stage = MeshStage::Converting(task, stopper);
             }
         }
-        MeshStage::Converting(task) => {
+        MeshStage::Converting(task, _) => {
             let Some(result) = block_on(poll_once(task)) else { return };
             finish(extractor, id, result, meshes);
         }

@@ -147,6 +147,8 @@ pub(crate) struct Extractor {
     /// Instances whose lightmaps go at the start of the next frame.
     unlit: EntityHashSet,
     copied_bytes: usize,
+    /// Loaded meshes and images that aren't submitted yet.
+    converting: usize,
     submit_times: SubmitTimes,
     resend: bool,
 }
@@ -164,12 +166,6 @@ impl Extractor {
             self.copied_bytes += bytes;
         }
         may
-    }
-
-    /// Whether anything is still being converted.
-    pub(crate) fn is_converting(&self) -> bool {
-        self.meshes.values().any(MeshState::is_converting)
-            || self.textures.values().any(TextureState::is_converting)
     }
 
     /// Submit everything again, for example to a new backend.
@@ -218,6 +214,7 @@ pub(crate) fn submit(
     extractor.frame = extractor.frame.wrapping_add(1);
     extractor.copied_bytes = 0;
     remarks.show(&mut status);
+    status.bypass_change_detection().converting = std::mem::take(&mut extractor.converting);
     let mut changes = extractor.changes.take();
     for change in &changes {
         extracted.apply(change);
@@ -231,6 +228,7 @@ pub(crate) fn submit(
     }
     extracted.snapshot.0 += 1;
     status.submitted = extracted.snapshot;
+    status.quality.converged = false;
     status.receivers = extracted.receivers.len();
     extractor.submit_times.submitted(extracted.snapshot);
     backend.0.submit(extracted.snapshot, changes);

@@ -29,8 +29,8 @@ enum TextureStage {
 }
 
 impl TextureState {
-    pub(super) fn is_converting(&self) -> bool {
-        matches!(self.stage, TextureStage::Converting(_))
+    fn is_unfinished(&self) -> bool {
+        matches!(self.stage, TextureStage::Waiting | TextureStage::Converting(_))
     }
 }
 
@@ -86,11 +86,13 @@ pub(crate) fn convert_textures(
     let unfinished = extractor
         .textures
         .iter()
-        .filter(|(_, s)| matches!(s.stage, TextureStage::Waiting | TextureStage::Converting(_)))
+        .filter(|(_, state)| state.is_unfinished())
         .map(|(&id, _)| id)
         .collect::<Vec<_>>();
     for id in unfinished {
         advance(extractor, id, &images);
+        let busy = extractor.textures.get(&id).is_some_and(TextureState::is_unfinished);
+        extractor.converting += usize::from(busy && images.contains(id));
     }
 }
 

@@ -166,7 +166,9 @@ impl Session {
 
     fn step_here(&mut self) -> Option<LightingUpdate> {
         // What was begun is finished first, or geometry that moves all the time would never be lit.
-        if self.dirty.geometry && (self.lighting.is_none() || self.answered) {
+        // A scene without surfaces (probes that come before the meshes) never has an answer.
+        let hopeless = |l: &Lighting| self.grown && !l.is_ready() && !l.is_solving();
+        if self.dirty.geometry && (self.answered || self.lighting.as_ref().is_none_or(hopeless)) {
             self.set_up();
             return None;
         }
