@@ -16,6 +16,7 @@ Runs, quick ones first, and goes on after a failure so that one run shows them a
   deny       cargo deny check (licences, advisories, bans), if cargo-deny is installed
   clippy     the whole workspace with all targets, warnings are errors
   docs       cargo doc, warnings are errors
+  packages   cargo package of every published crate (not built again)
   features   the umbrella with no feature, and with each feature alone
   targets    farlight_gi for wasm32-unknown-unknown and x86_64-pc-windows-gnu, if those are
              installed or rustup can add them
@@ -29,6 +30,10 @@ A table at the end says what passed, what failed, what was skipped and why, and 
 
 /// Targets for which the plugin must compile, though no test runs there.
 const TARGETS: [&str; 2] = ["wasm32-unknown-unknown", "x86_64-pc-windows-gnu"];
+
+/// Whether the manifests are fit to be published; files that are not committed may be there.
+const PACKAGE: [&str; 6] =
+    ["package", "--workspace", "--exclude=xtask", "--no-verify", "--allow-dirty", "--quiet"];
 
 pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
     let install = !args.flag("--no-install");
@@ -51,6 +56,7 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
     }
     report.cargo("clippy", &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]);
     report.step("docs", docs);
+    report.cargo("packages", &PACKAGE);
     for feature in features() {
         report.step(&format!("features: {}", feature.as_deref().unwrap_or("none")), || {
             alone(feature.as_deref())
