@@ -115,6 +115,8 @@ impl Places {
             }
             let smallest = |s: &Vec2| (*s * self.density).max_element() <= (ALIGN - 2) as f32;
             if sizes.values().all(smallest) {
+                self.atlas.clear();
+                self.places.clear();
                 self.add_missing(&sizes, 0);
                 for id in sizes.keys().filter(|id| !self.places.contains_key(id)) {
                     refused.insert(*id, Arc::from("all lightmap pages are full"));
