@@ -8,7 +8,7 @@ use super::{
 
 /// Beams, a table and a bench of oak.
 pub(super) fn bright_woodwork() -> Part {
-    let mut part = Part::new("bright_woodwork", Look::Oak as usize, 32);
+    let mut part = Part::new("bright_woodwork", Look::Oak as usize);
     for x in [-4.35, -2.6, -0.85] {
         let (low, high) = ([x - 0.09, 2.78, -2.52], [x + 0.09, 3.02, 2.52]);
         beam(&mut part, low, high, 0.015, Uv::TileAcross(1.0));
@@ -33,7 +33,7 @@ fn table(part: &mut Part, x: [f64; 2], z: [f64; 2], height: f64, thick: f64, leg
 
 /// Coloured things in the bright room.
 pub(super) fn bright_objects() -> Part {
-    let mut part = Part::new("bright_objects", Look::Palette as usize, 24);
+    let mut part = Part::new("bright_objects", Look::Palette as usize);
     let part_ref = &mut part;
     let table = 0.735;
     bowl(part_ref, [-2.75, table, -1.3], 5);
@@ -56,7 +56,7 @@ pub(super) fn bright_objects() -> Part {
 
 /// A shelf and a bench of walnut.
 pub(super) fn dark_woodwork() -> Part {
-    let mut part = Part::new("dark_woodwork", Look::Walnut as usize, 32);
+    let mut part = Part::new("dark_woodwork", Look::Walnut as usize);
     let wood = Uv::Tile(1.0);
     let (x, back, front) = (SHELF_X, -2.44, SHELF_FRONT);
     for x in [x[0] - 0.04, x[1]] {
@@ -81,7 +81,7 @@ const SHELF_TOPS: [f64; 5] = [0.11, 0.56, 1.01, 1.46, 1.97];
 
 /// Coloured things in the dark room.
 pub(super) fn dark_objects() -> Part {
-    let mut part = Part::new("dark_objects", Look::Palette as usize, 28);
+    let mut part = Part::new("dark_objects", Look::Palette as usize);
     let part_ref = &mut part;
     // Books and boxes: board, left edge, width, height, colour.
     let things = [
@@ -120,7 +120,7 @@ const PEDESTAL: [f64; 2] = [4.45, 0.6];
 
 /// Two columns and a pedestal between them.
 pub(super) fn stone() -> Part {
-    let mut part = Part::new("stone", Look::Stone as usize, 28);
+    let mut part = Part::new("stone", Look::Stone as usize);
     let stone = Uv::Tile(1.0);
     for z in [-1.7, 1.9] {
         let base = [4.5, 0.0, z];
@@ -161,7 +161,7 @@ fn plate(part: &mut Part, base: P, half: f64, y: [f64; 2], uv: Uv) {
 
 /// Pictures on the north wall of the bright room and the south wall of the dark one.
 pub(super) fn pictures() -> Part {
-    let mut part = Part::new("pictures", Look::Pictures as usize, 18);
+    let mut part = Part::new("pictures", Look::Pictures as usize);
     picture(&mut part, [-3.1, 1.75, -2.5], [1.1, 0.85], 1.0, 0);
     picture(&mut part, [-1.55, 1.75, -2.5], [0.7, 0.85], 1.0, 1);
     picture(&mut part, [1.6, 1.65, 2.5], [0.6, 0.75], -1.0, 2);
@@ -201,7 +201,7 @@ fn picture(part: &mut Part, center: P, size: [f64; 2], facing: f64, image: usize
 
 /// A rug before the doorway.
 pub(super) fn rug() -> Part {
-    let mut part = Part::new("rug", Look::Rug as usize, 18);
+    let mut part = Part::new("rug", Look::Rug as usize);
     let (low, high) = ([0.9, 0.0, -0.55], [3.5, 0.014, 1.6]);
     cap(&mut part, low, high, 0.018, true, Uv::Image([0.0, 0.0, 1.0, 1.0], [2.6, 2.15]));
     part

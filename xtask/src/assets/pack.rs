@@ -1,92 +1,111 @@
-//! Rectangular charts on the texel grid of a lightmap square.
+//! Rectangular charts on the texel grid of a part's lightmap rectangle.
+
+/// The rectangle's edges plus [`PADDING`] on both sides are multiples of this, as the solver's atlas
+/// makes them.
+const ALIGN: usize = 4;
+const PADDING: usize = 1;
+/// Widest rectangle: a row of texels is held in the bits of a `u128`.
+const WIDEST: usize = 126;
+
+/// Where the charts of a part lie.
+pub(super) struct Layout {
+    /// Columns and rows.
+    pub(super) size: [usize; 2],
+    charts: Vec<Placed>,
+}
 
 /// A chart's place: a rectangle of whole texels.
-pub(super) struct Placed {
-    /// Lower corner in metres of the chart and texels of the square a metre, along s and t.
+struct Placed {
+    /// Lower corner in metres of the chart and texels a metre, along s and t.
     origin: [f64; 2],
     scale: [f64; 2],
-    /// First texel and whether s runs along the rows.
+    /// First texel, and whether s runs along the rows.
     texel: [usize; 2],
     turned: bool,
-    texels: f64,
 }
 
-impl Placed {
-    pub(super) fn uv(&self, [s, t]: [f64; 2]) -> [f64; 2] {
-        let local = [(s - self.origin[0]) * self.scale[0], (t - self.origin[1]) * self.scale[1]];
-        let local = if self.turned { [local[1], local[0]] } else { local };
-        [0, 1].map(|k| (self.texel[k] as f64 + local[k]) / self.texels)
+impl Layout {
+    /// Texel coordinates of a point of a chart.
+    pub(super) fn texel(&self, chart: usize, [s, t]: [f64; 2]) -> [f64; 2] {
+        let placed = &self.charts[chart];
+        let local =
+            [(s - placed.origin[0]) * placed.scale[0], (t - placed.origin[1]) * placed.scale[1]];
+        let local = if placed.turned { [local[1], local[0]] } else { local };
+        [0, 1].map(|k| placed.texel[k] as f64 + local[k])
+    }
+
+    /// Coordinates in the unit square.
+    pub(super) fn uv(&self, chart: usize, point: [f64; 2]) -> [f64; 2] {
+        let texel = self.texel(chart, point);
+        [0, 1].map(|k| texel[k] / self.size[k] as f64)
     }
 }
 
-/// Packs charts with bounds `[s0, t0, s1, t1]` in metres into a square: one texel of border round
-/// each (so two between charts), at the highest common density that fits.
-pub(super) fn pack(bounds: &[[f64; 4]], texels: usize) -> Vec<Placed> {
-    let area: f64 = bounds.iter().map(|b| (b[2] - b[0]) * (b[3] - b[1])).sum();
-    let mut density = texels as f64 / area.sqrt();
-    loop {
-        if let Some(placed) = try_pack(bounds, texels, density) {
-            return placed;
-        }
-        density *= 0.98;
-        assert!(density > 1e-3, "the charts do not fit: give the part more texels");
-    }
-}
-
-fn try_pack(bounds: &[[f64; 4]], texels: usize, density: f64) -> Option<Vec<Placed>> {
-    let size =
-        |b: &[f64; 4]| [b[2] - b[0], b[3] - b[1]].map(|m| ((m * density).round() as usize).max(2));
-    let mut order: Vec<usize> = (0..bounds.len()).collect();
-    order.sort_by_key(|&i| {
-        let [w, h] = size(&bounds[i]);
-        (std::cmp::Reverse((w.max(h), w * h)), i)
-    });
-    let mut taken = vec![false; texels * texels];
-    let mut placed: Vec<Option<Placed>> = bounds.iter().map(|_| None).collect();
-    for i in order {
-        let b = &bounds[i];
-        let [w, h] = size(b);
-        let (x, y, turned) = find(&taken, texels, w + 2, h + 2)?;
-        let (columns, rows) = if turned { (h + 2, w + 2) } else { (w + 2, h + 2) };
-        for row in y..y + rows {
-            taken[row * texels + x..row * texels + x + columns].fill(true);
-        }
-        placed[i] = Some(Placed {
+/// Packs charts with bounds `[s0, t0, s1, t1]` in metres into the smallest rectangle that is found:
+/// `density` texels a metre or a little more, each chart whole texels and at least two of them, one
+/// texel of border round each (so two between charts).
+pub(super) fn pack(bounds: &[[f64; 4]], density: f64) -> Layout {
+    let sizes: Vec<[usize; 2]> = bounds
+        .iter()
+        .map(|b| [b[2] - b[0], b[3] - b[1]].map(|m| ((m * density - 1e-6).ceil() as usize).max(2)))
+        .collect();
+    let outer: Vec<_> = sizes.iter().map(|s| s.map(|v| v + 2)).collect();
+    let area: usize = outer.iter().map(|[w, h]| w * h).sum();
+    let widest = outer.iter().map(|[w, h]| *w.min(h)).max().unwrap_or(0);
+    let side = (area as f64).sqrt();
+    let (_, size, places) = (widest.max((side * 0.7) as usize)
+        ..=((side * 1.7) as usize).min(WIDEST))
+        .filter(|width| (width + 2 * PADDING).is_multiple_of(ALIGN))
+        .filter_map(|width| {
+            let places = arrange(&outer, width)?;
+            let used = places.iter().zip(&outer).map(|(p, o)| p.1 + if p.2 { o[0] } else { o[1] });
+            let rows = used.max().unwrap_or(0) + 2 * PADDING;
+            let height = rows.next_multiple_of(ALIGN) - 2 * PADDING;
+            let cost = (width + 2 * PADDING) * (height + 2 * PADDING);
+            Some(((cost, width.abs_diff(height)), [width, height], places))
+        })
+        .min_by_key(|(cost, ..)| *cost)
+        .expect("the charts fit a rectangle");
+    let charts = bounds.iter().zip(&sizes).zip(places);
+    let charts = charts
+        .map(|((b, [w, h]), (x, y, turned))| Placed {
             origin: [b[0], b[1]],
-            scale: [w as f64 / (b[2] - b[0]), h as f64 / (b[3] - b[1])],
+            scale: [*w as f64 / (b[2] - b[0]), *h as f64 / (b[3] - b[1])],
             texel: [x + 1, y + 1],
             turned,
-            texels: texels as f64,
-        });
-    }
-    placed.into_iter().collect()
+        })
+        .collect();
+    Layout { size, charts }
 }
 
-/// Whether squares of whole texels fit a page edge to edge.
-#[cfg(test)]
-pub(super) fn fits(squares: &[[f64; 4]], texels: usize) -> bool {
-    // Each gets a border of one texel here, which stands for its own outermost texels.
-    let inner: Vec<_> = squares.iter().map(|b| [0.0, 0.0, b[2] - 2.0, b[3] - 2.0]).collect();
-    try_pack(&inner, texels, 1.0).is_some()
-}
-
-/// The free place nearest to the first row, in either orientation.
-fn find(taken: &[bool], texels: usize, w: usize, h: usize) -> Option<(usize, usize, bool)> {
-    let free = |x: usize, y: usize, w: usize, h: usize| {
-        x + w <= texels
-            && y + h <= texels
-            && (y..y + h).all(|row| !taken[row * texels + x..row * texels + x + w].contains(&true))
-    };
-    let places = (0..texels).flat_map(|y| (0..texels).map(move |x| (x, y)));
-    for (x, y) in places {
-        if free(x, y, w, h) {
-            return Some((x, y, false));
+/// Places rectangles, large ones first, each at the first row and column that are free, in either
+/// orientation. `None` if that takes more than 128 rows.
+pub(super) fn arrange(sizes: &[[usize; 2]], width: usize) -> Option<Vec<(usize, usize, bool)>> {
+    let mut order: Vec<usize> = (0..sizes.len()).collect();
+    order.sort_by_key(|&i| {
+        let [w, h] = sizes[i];
+        (std::cmp::Reverse((w.max(h), w * h)), i)
+    });
+    // One bit a texel; columns beyond the width are taken.
+    let outside = if width < 128 { !0 << width } else { 0 };
+    let mut rows: [u128; 128] = [outside; 128];
+    let mut places = vec![(0, 0, false); sizes.len()];
+    for i in order {
+        let [w, h] = sizes[i];
+        let (x, y, turned) = (0..rows.len()).find_map(|y| {
+            [(w, h, false), (h, w, true)].into_iter().find_map(|(w, h, turned)| {
+                let free = !rows.get(y..y + h)?.iter().fold(0, |all, row| all | row);
+                let starts: u128 = (1..w).fold(free, |starts, k| starts & (free >> k));
+                (starts != 0).then(|| (starts.trailing_zeros() as usize, y, turned))
+            })
+        })?;
+        let (columns, lines) = if turned { (h, w) } else { (w, h) };
+        for row in &mut rows[y..y + lines] {
+            *row |= (!0 >> (128 - columns)) << x;
         }
-        if free(x, y, h, w) {
-            return Some((x, y, true));
-        }
+        places[i] = (x, y, turned);
     }
-    None
+    Some(places)
 }
 
 #[cfg(test)]
@@ -95,21 +114,22 @@ mod tests {
 
     #[test]
     fn charts_keep_their_distance() {
-        let bounds = [[0.0, 0.0, 2.0, 1.0], [5.0, 0.0, 6.0, 3.0], [0.0, -1.0, 1.0, 0.0]];
-        let placed = pack(&bounds, 32);
-        let mut owner = vec![None; 32 * 32];
-        for (i, (p, b)) in placed.iter().zip(bounds).enumerate() {
-            let [low, high] =
-                [p.uv([b[0], b[1]]), p.uv([b[2], b[3]])].map(|uv| uv.map(|v| v * 32.0));
+        let bounds = [[0.0, 0.0, 2.0, 1.0], [5.0, 0.0, 6.0, 3.0], [0.0, -1.0, 0.01, 0.0]];
+        let layout = pack(&bounds, 5.0);
+        let [width, height] = layout.size;
+        let mut owner = vec![None; width * height];
+        for (i, b) in bounds.iter().enumerate() {
+            let [low, high] = [[b[0], b[1]], [b[2], b[3]]].map(|p| layout.texel(i, p));
             for v in low.iter().chain(&high) {
                 assert!((v - v.round()).abs() < 1e-9, "whole texels: {v}");
             }
             // With the border round it no texel is claimed twice, and none lies outside.
             for y in low[1] as usize - 1..high[1] as usize + 1 {
                 for x in low[0] as usize - 1..high[0] as usize + 1 {
-                    assert_eq!(owner[y * 32 + x].replace(i), None);
+                    assert_eq!(owner[y * width + x].replace(i), None);
                 }
             }
         }
+        assert_eq!(((width + 2) % 4, (height + 2) % 4), (0, 0));
     }
 }

@@ -7,6 +7,10 @@ use super::pack;
 /// A position in metres.
 pub(super) type P = [f64; 3];
 
+/// Lightmap texels a metre that charts are laid out for: with more the demo scene does not fit a page
+/// of 128 x 128.
+const TEXELS_PER_METRE: f64 = 4.75;
+
 /// A corner of a face.
 #[derive(Clone, Copy)]
 pub(super) struct Corner {
@@ -53,8 +57,6 @@ impl Uv {
 pub(super) struct Part {
     pub(super) name: &'static str,
     pub(super) material: usize,
-    /// Texels of the lightmap square that the charts are laid out for.
-    pub(super) texels: usize,
     faces: Vec<Face>,
     charts: usize,
 }
@@ -70,8 +72,8 @@ pub(super) struct Geometry {
 }
 
 impl Part {
-    pub(super) fn new(name: &'static str, material: usize, texels: usize) -> Self {
-        Self { name, material, texels, faces: Vec::new(), charts: 0 }
+    pub(super) fn new(name: &'static str, material: usize) -> Self {
+        Self { name, material, faces: Vec::new(), charts: 0 }
     }
 
     /// Begins a chart: the faces that follow lie in it.
@@ -121,7 +123,7 @@ impl Part {
 
     /// Normals, packed charts, triangles.
     pub(super) fn build(&self) -> Geometry {
-        let placed = self.lay_out();
+        let layout = self.lay_out();
         let normals = self.normals();
         let mut geometry = Geometry::default();
         let mut known = HashMap::new();
@@ -131,7 +133,7 @@ impl Part {
                 .iter()
                 .zip(normals)
                 .map(|(corner, normal)| {
-                    let uv1 = placed[face.chart].uv(corner.chart);
+                    let uv1 = layout.uv(face.chart, corner.chart);
                     let vertex = (
                         corner.position.map(grid),
                         normal.map(|n| grid_f32(n, 4096.0)),
@@ -161,8 +163,8 @@ impl Part {
         geometry
     }
 
-    /// Where each chart lies in the unit square.
-    fn lay_out(&self) -> Vec<pack::Placed> {
+    /// Where the charts lie.
+    pub(super) fn lay_out(&self) -> pack::Layout {
         let mut bounds = vec![[f64::MAX, f64::MAX, f64::MIN, f64::MIN]; self.charts];
         for face in &self.faces {
             let b = &mut bounds[face.chart];
@@ -170,7 +172,7 @@ impl Part {
                 *b = [b[0].min(s), b[1].min(t), b[2].max(s), b[3].max(t)];
             }
         }
-        pack::pack(&bounds, self.texels)
+        pack::pack(&bounds, TEXELS_PER_METRE)
     }
 
     /// Corner normals: faces that meet at under 50 degrees are smoothed, weighted by their area, so

@@ -1,6 +1,6 @@
 //! The demo's scene: readable without a warning, closed, and made for a lightmap.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use farlight_gi_solver::{
     Ray, World,
@@ -8,9 +8,29 @@ use farlight_gi_solver::{
 };
 use glam::Vec3;
 
+fn path() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../assets/scenes/doorway.glb")
+}
+
 fn doorway() -> ImportedScene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../assets/scenes/doorway.glb");
-    load_scene(&path, &ImportOptions::default()).expect("the committed scene is readable")
+    load_scene(&path(), &ImportOptions::default()).expect("the committed scene is readable")
+}
+
+/// Bevy reads glTF files with the crate `gltf`, whose validation is stricter than our importer.
+#[test]
+fn it_is_valid_for_the_reader_that_bevy_uses() {
+    let file = gltf::Gltf::from_slice(&std::fs::read(path()).unwrap()).unwrap();
+    for mesh in file.meshes() {
+        for primitive in mesh.primitives() {
+            let reader = primitive.reader(|_| file.blob.as_deref());
+            assert!(reader.read_tex_coords(1).is_some(), "{:?}", mesh.name());
+            let bounds = primitive.bounding_box();
+            for p in reader.read_positions().unwrap() {
+                let inside = (0..3).all(|k| (bounds.min[k]..=bounds.max[k]).contains(&p[k]));
+                assert!(inside, "{:?}", mesh.name());
+            }
+        }
+    }
 }
 
 #[test]
