@@ -76,16 +76,9 @@ impl Kernel for Avx512 {
 
     #[inline(always)]
     unsafe fn any_children(&self, node: &Node, child: *mut Child) -> (usize, Child) {
+        // Compressing moves aren't faster here.
         // SAFETY: there is room for eight; the features are the trait's promise.
-        unsafe {
-            let (enter, leave) = self.0.slabs(node, self.0.t_max);
-            let mask = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, leave);
-            let last =
-                *node.child.get_unchecked(31 - (u32::from(mask) | 1).leading_zeros() as usize);
-            let children = _mm256_load_si256(node.child.as_ptr().cast());
-            _mm256_storeu_si256(child.cast(), _mm256_maskz_compress_epi32(mask, children));
-            (mask.count_ones() as usize, last)
-        }
+        unsafe { self.0.any_children(node, child) }
     }
 
     #[inline(always)]

@@ -154,7 +154,9 @@ impl Builder<'_> {
         }
     }
 
-    /// Two lists, neither of them empty.
+    /// Two lists, neither of them empty. Not inlined, so that its arrays aren't on the stack while
+    /// `subtree` recurses.
+    #[inline(never)]
     fn divide(
         &self,
         bounds: &Bounds,

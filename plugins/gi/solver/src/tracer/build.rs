@@ -23,12 +23,15 @@ impl Reference {
     }
 }
 
+/// Triangles after these are left out, so that indices of nodes and packs fit.
+pub(super) const MOST: usize = 1 << 27;
+
 /// Builds the tree.
 pub(super) fn build(triangles: &[[Vec3; 3]]) -> Tree {
     let references: Vec<Reference> = triangles
         .iter()
         .enumerate()
-        .take(u32::MAX as usize)
+        .take(MOST)
         .filter(|(_, corners)| usable(corners))
         .map(|(i, &[a, b, c])| Reference {
             bounds: Bounds { min: a.min(b).min(c).into(), max: a.max(b).max(c).into() },

@@ -28,9 +28,9 @@
 //!
 //! **Limits.** Coordinates up to 1e12; triangles beyond, with a NaN, or with no area are left out.
 //! Distances have an absolute error of a few 1e-7 of the larger of the triangle's and the origin's
-//! coordinates (seen along the triangle's normal). Memory: about 75 bytes a triangle, at most 400
-//! (every leaf a single triangle after the most splits); while building, up to 300 more. At most
-//! 2^28 packs.
+//! coordinates (seen along the triangle's normal). Memory: about 75 bytes a triangle, at most 500
+//! (every leaf a single triangle after the most splits); while building, up to 300 more. Triangles
+//! after the first 2^27 are left out.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -136,9 +136,9 @@ impl Instructions {
 }
 
 impl Tracer {
-    /// Builds the acceleration structure, on all threads, in about 1 to 2 microseconds a triangle
-    /// and thread; the result doesn't depend on their number. Triangles that are not finite, have no area,
-    /// or lie beyond 1e12 are never hit. The index in a [`Hit`] is that of `triangles`.
+    /// Builds the acceleration structure, on all threads; the result doesn't depend on their number.
+    /// Takes 1 to 2 microseconds of a processor core a triangle. Triangles that are not finite, have
+    /// no area, or lie beyond 1e12 are never hit. The index in a [`Hit`] is that of `triangles`.
     #[must_use]
     pub fn new(triangles: &[[Vec3; 3]]) -> Self {
         Self { tree: build::build(triangles), instructions: Instructions::available()[0] }

@@ -248,3 +248,39 @@ fn edge_functions_that_all_round_to_zero() {
         assert!(tracer.occluded(&ray));
     }
 }
+
+#[test]
+fn distances_in_a_hall_of_100_metres() {
+    let mut random = Random(12);
+    let (min, max) = (Vec3::new(-50.0, 0.0, -37.0), Vec3::new(50.0, 11.0, 63.0));
+    let corner = |i: usize| {
+        Vec3::from_array([0, 1, 2].map(|a| if i >> a & 1 == 1 { max[a] } else { min[a] }))
+    };
+    let faces =
+        [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
+    let triangles: Vec<[Vec3; 3]> = faces
+        .iter()
+        .map(|f| f.map(corner))
+        .flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]])
+        .collect();
+    for tracer in tracers(&triangles) {
+        let mut worst: f64 = 0.0;
+        for _ in 0..20_000 {
+            let origin = min + (max - min) * (random.cube() * 0.499 + 0.5);
+            let ray = Ray::new(origin, random.cube().normalize());
+            let hit = tracer.closest(&ray);
+            assert!(hit.is_hit(), "{ray:?}");
+            let [a, b, c] = triangles[hit.triangle as usize].map(Vec3::as_dvec3);
+            let normal = (b - a).cross(c - a).normalize();
+            let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+            // Off the plane, and off the point that the weights name.
+            let point = o + f64::from(hit.t) * d;
+            let (u, v) = (f64::from(hit.u), f64::from(hit.v));
+            let named = a + u * (b - a) + v * (c - a);
+            worst = worst.max((point - a).dot(normal).abs());
+            assert!((point - named).reject_from(d).length() < 5e-5, "{ray:?} {hit:?}");
+        }
+        assert!(worst < 5e-5, "{:?}: {worst}", tracer.instructions);
+        println!("{:?}: at most {:.1} um off the plane", tracer.instructions, worst * 1e6);
+    }
+}
