@@ -1,0 +1,129 @@
+//! The command line.
+
+use std::{path::PathBuf, time::Duration};
+
+/// What `--help` prints.
+pub const HELP: &str = "\
+A bright room, a dark room and a doorway between them, lit indirectly while the light moves.
+
+Direct light is Bevy's own. Indirect light is solved in a background thread and streamed into a
+lightmap (the rooms) and probes (the moving sphere).
+
+USAGE
+    local_room                           in a window; the keys are on screen
+    local_room --headless --out DIR      without a window: measures, writes pictures and a report
+    local_room --soak SECONDS            without a window: watches memory, prints JSON lines
+
+OPTIONS
+    --headless        no window. Writes into DIR:
+                        direct-only.png   what Bevy shows without this project
+                        indirect.png      the same instant with live indirect light
+                        reference.png     the same instant, indirect light path traced until converged
+                        lightmap.png      the live lightmap alone
+                        report.json       the measurements, also printed as a table
+    --out DIR         where the files go; made if it is missing
+    --frames N        stop measuring after about N frames; a short run measures less
+                      (default: as many as the measurements need)
+    --size WxH        size of the pictures in pixels, 16 to 4096 a side (default 320x180)
+    --lightmap N      edge of the lightmap in texels, 16 to 4096, a power of two (default 128)
+    --samples N       paths a texel of the converged reference, 1 to 65536 (default 2048)
+    --seed N          seed of all random numbers (default 1)
+    --soak SECONDS    run that long with a moving light and print up to 60 JSON lines about memory;
+                      fails if memory grew after the warm-up (the first fifth)
+    -h, --help        this text
+
+EXIT STATUS
+    0 done; 1 no lighting arrived, a picture is black, or memory grew; 2 the command line is wrong
+
+EXAMPLES
+    local_room --headless --out pictures
+    local_room --headless --out pictures --frames 60 --size 160x90 --samples 64
+    local_room --soak 600
+";
+
+/// What the program is asked to do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Mode {
+    /// Print [`HELP`].
+    Help,
+    /// Show it.
+    Window,
+    /// Measure, write pictures and a report into a folder.
+    Headless {
+        /// Where the files go.
+        out: PathBuf,
+        /// About how many frames are measured at most.
+        frames: Option<u32>,
+    },
+    /// Watch memory.
+    Soak(Duration),
+}
+
+/// The parsed command line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Args {
+    /// What to do.
+    pub mode: Mode,
+    /// Size of the pictures in pixels.
+    pub size: (u32, u32),
+    /// Edge of the lightmap in texels.
+    pub lightmap: u32,
+    /// Paths a texel of the converged reference.
+    pub samples: u32,
+    /// Seed of all random numbers.
+    pub seed: u64,
+}
+
+impl Args {
+    /// Reads the arguments, the program's name left out.
+    pub fn parse(arguments: impl IntoIterator<Item = String>) -> Result<Self, String> {
+        let mut args =
+            Self { mode: Mode::Window, size: (320, 180), lightmap: 128, samples: 2048, seed: 1 };
+        let (mut headless, mut out, mut frames, mut soak) = (false, None, None, None);
+        let mut arguments = arguments.into_iter();
+        while let Some(name) = arguments.next() {
+            let mut value = || arguments.next().ok_or(format!("{name} needs a value"));
+            match name.as_str() {
+                "-h" | "--help" => return Ok(Self { mode: Mode::Help, ..args }),
+                "--headless" => headless = true,
+                "--out" => out = Some(PathBuf::from(value()?)),
+                "--frames" => frames = Some(number(&name, &value()?, 1, 1_000_000)? as u32),
+                "--size" => args.size = size(&value()?)?,
+                "--lightmap" => {
+                    args.lightmap = number(&name, &value()?, 16, 4096)? as u32;
+                    if !args.lightmap.is_power_of_two() {
+                        return Err(format!("--lightmap {}: not a power of two", args.lightmap));
+                    }
+                }
+                "--samples" => args.samples = number(&name, &value()?, 1, 65536)? as u32,
+                "--seed" => args.seed = number(&name, &value()?, 0, u64::MAX)?,
+                "--soak" => soak = Some(number(&name, &value()?, 1, 1_000_000)?),
+                _ => return Err(format!("unknown argument {name}; --help lists them")),
+            }
+        }
+        args.mode = match (headless, out, soak) {
+            (true, Some(out), None) => Mode::Headless { out, frames },
+            (true, None, None) => return Err("--headless needs --out DIR".into()),
+            (_, None, Some(seconds)) => Mode::Soak(Duration::from_secs(seconds)),
+            (_, Some(_), Some(_)) => return Err("--soak writes no files; leave out --out".into()),
+            (false, Some(_), None) => return Err("--out needs --headless".into()),
+            (false, None, None) => Mode::Window,
+        };
+        Ok(args)
+    }
+}
+
+fn number(name: &str, text: &str, min: u64, max: u64) -> Result<u64, String> {
+    match text.parse() {
+        Ok(value) if (min..=max).contains(&value) => Ok(value),
+        _ => Err(format!("{name} {text}: not a whole number from {min} to {max}")),
+    }
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let Some((width, height)) = text.split_once('x') else {
+        return Err(format!("--size {text}: write WIDTHxHEIGHT, for example 320x180"));
+    };
+    let side = |t: &str| number("--size", t, 16, 4096).map(|v| v as u32);
+    Ok((side(width)?, side(height)?))
+}

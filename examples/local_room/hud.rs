@@ -1,0 +1,131 @@
+//! Keys, and what is on screen about them.
+
+use bevy::prelude::*;
+use farlight::prelude::*;
+
+use crate::{
+    motion::Traveller,
+    scene::{Ball, Lamp},
+};
+
+/// The panel with keys and state.
+#[derive(Component)]
+pub struct Hud;
+
+/// The text that changes.
+#[derive(Component)]
+pub struct State;
+
+const KEYS: &str = "\
+I          indirect light on / off
+L          lightmap alone
+Space      stop the lamp
+B          stop the ball
++  -       lamp faster, slower
+drag, arrows, wheel   look around
+H          hide this
+";
+
+/// Makes the panel.
+pub fn spawn(mut commands: Commands) {
+    let text = |size: f32| TextFont { font_size: FontSize::Px(size), ..default() };
+    commands
+        .spawn((
+            Hud,
+            Node {
+                position_type: PositionType::Absolute,
+                top: px(12),
+                left: px(12),
+                padding: UiRect::all(px(10)),
+                flex_direction: FlexDirection::Column,
+                row_gap: px(8),
+                border_radius: BorderRadius::all(px(6)),
+                ..default()
+            },
+            BackgroundColor(Color::srgba(0.0, 0.0, 0.0, 0.55)),
+        ))
+        .with_children(|panel| {
+            panel.spawn((Text::new(KEYS), text(13.0), TextColor(Color::srgb(0.85, 0.85, 0.82))));
+            panel.spawn((
+                State,
+                Text::default(),
+                text(13.0),
+                TextColor(Color::srgb(1.0, 0.8, 0.45)),
+            ));
+        });
+}
+
+/// Acts on keys.
+pub fn keys(
+    keys: Res<ButtonInput<KeyCode>>,
+    mut view: ResMut<GiView>,
+    mut lamps: Query<&mut Traveller, (With<Lamp>, Without<Ball>)>,
+    mut balls: Query<&mut Traveller, With<Ball>>,
+    mut huds: Query<&mut Visibility, With<Hud>>,
+) {
+    if keys.just_pressed(KeyCode::KeyI) {
+        *view = toggled(*view, GiView::DirectOnly);
+    }
+    if keys.just_pressed(KeyCode::KeyL) {
+        *view = toggled(*view, GiView::LightmapOnly);
+    }
+    for mut lamp in &mut lamps {
+        if keys.just_pressed(KeyCode::Space) {
+            lamp.paused = !lamp.paused;
+        }
+        if keys.any_just_pressed([KeyCode::Equal, KeyCode::NumpadAdd]) {
+            lamp.speed = (lamp.speed * 1.25).min(4.0);
+        }
+        if keys.any_just_pressed([KeyCode::Minus, KeyCode::NumpadSubtract]) {
+            lamp.speed = (lamp.speed / 1.25).max(0.05);
+        }
+    }
+    for mut ball in &mut balls {
+        if keys.just_pressed(KeyCode::KeyB) {
+            ball.paused = !ball.paused;
+        }
+    }
+    for mut visibility in &mut huds {
+        if keys.just_pressed(KeyCode::KeyH) {
+            visibility.toggle_visible_hidden();
+        }
+    }
+}
+
+fn toggled(view: GiView, other: GiView) -> GiView {
+    if view == other { GiView::Full } else { other }
+}
+
+/// Writes what is going on into the panel, four times a second.
+pub fn show(
+    time: Res<Time>,
+    status: Res<GiStatus>,
+    view: Res<GiView>,
+    lamps: Query<&Traveller, With<Lamp>>,
+    mut texts: Query<&mut Text, With<State>>,
+    mut last: Local<(f32, u64)>,
+) {
+    let now = time.elapsed_secs();
+    let passed = now - last.0;
+    if passed < 0.25 {
+        return;
+    }
+    let rate = (status.updates - last.1) as f32 / passed;
+    *last = (now, status.updates);
+    let speed = lamps.iter().map(|l| if l.paused { 0.0 } else { l.speed }).fold(0.0, f32::max);
+    let state = match &status.state {
+        GiState::Failed { reason } => format!("failed: {reason}"),
+        state => format!("{state:?}").to_lowercase(),
+    };
+    let frame = status.timings.frame.cpu_stats();
+    for mut text in &mut texts {
+        text.0 = format!(
+            "{view:?}, {state}\n{rate:.0} lighting updates a second, estimated error {:.0} %\n\
+             lamp {speed:.2} m/s\n{} meshes lit, {} left out, our systems {:.2} ms a frame",
+            status.quality.relative_error * 100.0,
+            status.receivers,
+            status.left_out.len(),
+            frame.median.as_secs_f32() * 1e3,
+        );
+    }
+}
