@@ -143,7 +143,7 @@ impl Lighting {
         let fronts = self.patches.fronts;
         let blocks: Vec<&Block> =
             self.blocks.iter().take(LOW_BLOCKS).filter(|b| b.origins() >= fronts).collect();
-        let table = &self.table;
+        let (table, valid) = (&self.table, &self.valid);
         let dark = self.brightest * DARK;
         let (change, largest) = self
             .bounced
@@ -160,7 +160,9 @@ impl Lighting {
                 let level = new.max_element().max(dark).max(f32::MIN_POSITIVE);
                 let change = (new - *bounced).abs().max_element() / level;
                 *bounced = new;
-                (change, new.max_element())
+                // Buried texels are filled below: what rays say of them is never the last word.
+                let buried = valid.get(i).is_some_and(|valid| !valid);
+                (if buried { 0.0 } else { change }, new.max_element())
             })
             .reduce(|| (0.0_f32, 0.0_f32), |a, b| (a.0.max(b.0), a.1.max(b.1)));
         for &receiver in &self.holes {
