@@ -64,6 +64,22 @@ impl System {
         Self { family, name }
     }
 
+    /// Where nothing is looked for: what Rust and the renderer want there.
+    pub(super) fn note(&self) -> Option<&'static str> {
+        match (self.family, self.name.as_str()) {
+            (Family::Other, "macos") => Some(
+                "macOS comes with Metal; a compiler is in Xcode's command line tools \
+                 (xcode-select --install).",
+            ),
+            (Family::Other, "windows") => Some(
+                "Windows comes with DirectX 12; a compiler is in the Visual Studio Build Tools \
+                 (\"Desktop development with C++\").",
+            ),
+            (Family::Other, _) => Some("This system is not known here: nothing was looked for."),
+            _ => None,
+        }
+    }
+
     /// What to type here, where we do not install ourselves.
     pub(super) fn advice(&self, missing: &[Need]) -> String {
         let mut packages: Vec<&str> =
@@ -104,6 +120,15 @@ mod tests {
     fn the_name_is_the_pretty_one() {
         let system = System::from_os_release("ID=debian\nPRETTY_NAME=\"Debian GNU/Linux 12\"\n");
         assert_eq!(system.name, "Debian GNU/Linux 12");
+    }
+
+    #[test]
+    fn systems_without_packages_get_a_note() {
+        let note = |family, name: &str| System { family, name: name.to_owned() }.note();
+        assert!(note(Family::Other, "macos").is_some_and(|text| text.contains("Xcode")));
+        assert!(note(Family::Other, "windows").is_some_and(|text| text.contains("Visual Studio")));
+        assert!(note(Family::Other, "freebsd").is_some());
+        assert!(note(Family::Debian, "Debian").is_none());
     }
 
     #[test]

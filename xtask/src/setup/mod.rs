@@ -29,8 +29,9 @@ relatives, through sudo unless you are root. On other systems the names are prin
 pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
     let install = !args.flag("--no-install");
     args.finish()?;
-    let machine = Machine::look();
-    println!("{}", machine.summary());
+    if cfg!(target_os = "linux") {
+        println!("{}", Machine::look().summary());
+    }
     let purposes = [Purpose::Build, Purpose::Render, Purpose::Window, Purpose::Bench];
     if prepare(&purposes, install) {
         println!("Nothing is missing.");
@@ -43,8 +44,12 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
 /// whether it can do without.
 pub(crate) fn prepare(purposes: &[Purpose], install: bool) -> bool {
     let system = System::look();
+    if let Some(note) = system.note() {
+        println!("{note}");
+        return true;
+    }
     let lockfile = std::fs::read_to_string(process::root().join("Cargo.lock")).unwrap_or_default();
-    let missing = missing(purposes, &lockfile, &system);
+    let missing = missing(purposes, &lockfile);
     if missing.is_empty() {
         return true;
     }
@@ -71,17 +76,14 @@ pub(crate) fn prepare(purposes: &[Purpose], install: bool) -> bool {
             println!("{failure}\nGoing on without. By hand: {}", apt::by_hand(&group));
         }
     }
-    let left = self::missing(purposes, &lockfile, &system);
+    let left = self::missing(purposes, &lockfile);
     for need in &left {
         println!("STILL MISSING: {} ({})", need.what, need.why);
     }
     left.is_empty()
 }
 
-fn missing(purposes: &[Purpose], lockfile: &str, system: &System) -> Vec<Need> {
-    if system.family == Family::Other {
-        return Vec::new();
-    }
+fn missing(purposes: &[Purpose], lockfile: &str) -> Vec<Need> {
     let machine = Machine::look();
     needs::all()
         .into_iter()
