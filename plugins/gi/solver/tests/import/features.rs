@@ -231,3 +231,20 @@ fn gltf_files_find_their_buffers_below_their_folder() {
     std::fs::remove_dir_all(folder).unwrap();
     std::fs::remove_file(outside).unwrap();
 }
+
+#[test]
+fn files_that_cannot_be_read_are_named() {
+    let missing = std::env::temp_dir().join("farlight-there-is-no-such-file.glb");
+    let error = load_scene(&missing, &ImportOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("no-such-file.glb: cannot be read"), "{error}");
+    let folder = load_scene(&std::env::temp_dir(), &ImportOptions::default());
+    assert!(folder.is_err());
+
+    // Two gigabytes of nothing: refused by its length, without being read.
+    let path = std::env::temp_dir().join(format!("farlight-large-{}.glb", std::process::id()));
+    std::fs::File::create(&path).and_then(|file| file.set_len(1 << 31)).unwrap();
+    let (result, peak) = crate::memory::peak(|| load_scene(&path, &ImportOptions::default()));
+    std::fs::remove_file(&path).unwrap();
+    let error = result.unwrap_err().to_string();
+    assert!(error.contains("ImportLimits::file_bytes") && peak < 1 << 20, "{error}, {peak}");
+}

@@ -49,8 +49,8 @@ fn hotel_room_leaves_its_lines_out() {
     let Some(path) = data("scenes/hotel-room.glb") else { return };
     let options = ImportOptions { scale: 0.001, ..Default::default() };
     let start = std::time::Instant::now();
-    let imported = load_scene(&path, &options).unwrap();
-    println!("read in {:?}", start.elapsed());
+    let (imported, peak) = crate::memory::peak(|| load_scene(&path, &options).unwrap());
+    println!("read in {:?}, {:.1} MB at most", start.elapsed(), peak as f64 / 1e6);
     let scene = &imported.scene;
     let triangles: usize = scene.meshes.values().map(|m| m.triangles.len()).sum();
     println!("{triangles} triangles, {:#?}", imported.warnings);
