@@ -7,7 +7,7 @@ use super::{
     node::{Child, LANES, Node, Pack, Tree, WIDTH},
     ray::{AXES, FAR, Frame, LEAST, PAD, max},
     traverse::{self, Kernel},
-    triangle::{Best, edge_on},
+    triangle::Best,
 };
 
 /// Whether this processor can run the kernel.
@@ -36,15 +36,15 @@ pub(super) unsafe fn occluded(tree: &Tree, ray: &Ray) -> bool {
     unsafe { traverse::occluded::<Avx2>(tree, ray) }
 }
 
-/// For each mask of eight bits the positions of its set bits, in order.
+/// For each mask of eight bits the positions of its set bits, the highest first.
 static COMPACT: [[u8; WIDTH]; 256] = {
     let mut table = [[0; WIDTH]; 256];
     let mut mask = 0;
     while mask < 256 {
         let (mut bit, mut count) = (0, 0);
         while bit < WIDTH {
-            if mask >> bit & 1 == 1 {
-                table[mask][count] = bit as u8;
+            if mask >> (WIDTH - 1 - bit) & 1 == 1 {
+                table[mask][count] = (WIDTH - 1 - bit) as u8;
                 count += 1;
             }
             bit += 1;
@@ -73,7 +73,7 @@ static ROWS: [[[usize; 3]; 2]; 8] = {
 static PERMUTE: [[i32; 4]; 3] = [[2, 1, 0, 3], [0, 2, 1, 3], [1, 0, 2, 3]];
 
 /// One ray's constants, most of them in all lanes.
-pub(super) struct Avx2 {
+struct Avx2 {
     frame: Frame,
     /// Reciprocal direction.
     inverse: [__m256; 3],
@@ -82,7 +82,7 @@ pub(super) struct Avx2 {
     /// ... and towards its end.
     far: [__m256; 3],
     t_min: __m256,
-    pub(super) t_max: __m256,
+    t_max: __m256,
     /// In the frame's order.
     origin: [__m128; 3],
     shear: [__m128; 2],
@@ -93,7 +93,7 @@ pub(super) struct Avx2 {
     /// Where in a corner of a `Pack` the frame's axes begin.
     corner_row: [usize; 3],
     /// Three times the octant.
-    pub(super) order_shift: u32,
+    order_shift: u32,
 }
 
 /// The largest of the first three lanes, in these.
@@ -124,7 +124,7 @@ unsafe fn spread(x: __m128) -> [__m256; 3] {
 impl Avx2 {
     /// Where the ray enters and leaves the eight boxes.
     #[inline(always)]
-    pub(super) unsafe fn slabs(&self, node: &Node, limit: __m256) -> (__m256, __m256) {
+    unsafe fn slabs(&self, node: &Node, limit: __m256) -> (__m256, __m256) {
         // SAFETY: the rows are the node's; the features are the trait's promise.
         unsafe {
             let bounds = node.bounds.as_ptr().cast::<f32>();
@@ -216,7 +216,7 @@ struct Edges {
 }
 
 #[repr(C, align(32))]
-pub(super) struct Sorted(pub(super) [Child; WIDTH]);
+struct Sorted([Child; WIDTH]);
 
 #[repr(C, align(16))]
 struct Lanes([f32; LANES]);
@@ -322,7 +322,10 @@ impl Kernel for Avx2 {
             let mut sorted = Sorted([Child(0); WIDTH]);
             _mm256_store_si256(sorted.0.as_mut_ptr().cast(), children);
             let mask = _mm256_movemask_ps(_mm256_permutevar8x32_ps(met, order)) as u32;
-            let nearest = *sorted.0.get_unchecked(31 - (mask | 1).leading_zeros() as usize);
+            if mask == 0 {
+                return (0, Child(0));
+            }
+            let nearest = *sorted.0.get_unchecked(mask.trailing_zeros() as usize);
             let compact = _mm_loadl_epi64(COMPACT.get_unchecked(mask as usize).as_ptr().cast());
             let compact = _mm256_cvtepu8_epi32(compact);
             _mm256_storeu_si256(child.cast(), _mm256_permutevar8x32_epi32(children, compact));
@@ -339,17 +342,20 @@ impl Kernel for Avx2 {
             let (enter, leave) = self.slabs(node, self.t_max);
             let met = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave);
             let mask = _mm256_movemask_ps(met) as u32;
-            let last = *node.child.get_unchecked(31 - (mask | 1).leading_zeros() as usize);
+            if mask == 0 {
+                return (0, Child(0));
+            }
+            let first = *node.child.get_unchecked(mask.trailing_zeros() as usize);
             let compact = _mm_loadl_epi64(COMPACT.get_unchecked(mask as usize).as_ptr().cast());
             let compact = _mm256_cvtepu8_epi32(compact);
             let children = _mm256_load_si256(node.child.as_ptr().cast());
             _mm256_storeu_si256(child.cast(), _mm256_permutevar8x32_epi32(children, compact));
-            (mask.count_ones() as usize, last)
+            (mask.count_ones() as usize, first)
         }
     }
 
     #[inline(always)]
-    unsafe fn closest(&self, pack: &Pack, best: &mut Best) {
+    unsafe fn closest(&self, pack: &Pack, best: &mut Best) -> bool {
         // SAFETY: the features are the trait's promise.
         unsafe {
             let e = self.edges(pack, best.t);
@@ -370,24 +376,14 @@ impl Kernel for Avx2 {
                     hits &= hits - 1;
                 }
             }
-            if e.edge_on != 0 {
-                for lane in (0..LANES).filter(|lane| e.edge_on >> lane & 1 == 1) {
-                    if let Some(hit) = edge_on(&self.frame, pack, lane, best.t) {
-                        *best = hit;
-                    }
-                }
-            }
+            e.edge_on != 0
         }
     }
 
     #[inline(always)]
-    unsafe fn any(&self, pack: &Pack) -> bool {
+    unsafe fn any(&self, pack: &Pack) -> (bool, bool) {
         // SAFETY: the features are the trait's promise.
         let e = unsafe { self.edges(pack, self.frame.t_max) };
-        e.hits != 0
-            || (e.edge_on != 0
-                && (0..LANES)
-                    .filter(|lane| e.edge_on >> lane & 1 == 1)
-                    .any(|lane| edge_on(&self.frame, pack, lane, self.frame.t_max).is_some()))
+        (e.hits != 0, e.edge_on != 0)
     }
 }

@@ -120,7 +120,7 @@ impl<'a> Collapse<'a> {
             Part::Node(node) => split(&self.gather(node)),
             Part::List(list) => split(&list),
         };
-        parts.sort_by(|a, b| self.promise(a).total_cmp(&self.promise(b)));
+        parts.sort_by(|a, b| self.promise(b).total_cmp(&self.promise(a)));
         let boxes: Vec<Bounds> = parts.iter().map(|p| padded(self.bounds(p))).collect();
         let mut node = Node::EMPTY;
         for (i, part) in parts.drain(..).enumerate() {
@@ -277,12 +277,12 @@ fn orders(boxes: &[Bounds]) -> [u32; WIDTH] {
     for octant in 0..8 {
         let direction =
             Vec3A::from_array([0, 1, 2].map(|a| if octant >> a & 1 == 1 { -1.0 } else { 1.0 }));
-        let mut keys = [(f32::NEG_INFINITY, 0); WIDTH];
+        let mut keys = [(f32::INFINITY, 0); WIDTH];
         for (i, key) in keys.iter_mut().enumerate() {
             let distance = boxes.get(i).map(|b| (b.min + b.max).dot(direction));
-            *key = (distance.unwrap_or(f32::NEG_INFINITY), i as u32);
+            *key = (distance.unwrap_or(f32::INFINITY), i as u32);
         }
-        keys.sort_by(|a, b| b.0.total_cmp(&a.0));
+        keys.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (position, (_, child)) in keys.into_iter().enumerate() {
             order[position] |= child << (3 * octant);
         }

@@ -16,9 +16,9 @@ pub(super) const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 2 * WIDTH;
 pub(super) struct Node {
     /// Rows: min x, min y, min z, max x, max y, max z. An empty child has min +inf and max -inf.
     pub(super) bounds: [[f32; WIDTH]; 6],
-    /// The children.
+    /// The children, in the order in which an any-hit ray asks them.
     pub(super) child: [Child; WIDTH],
-    /// Children from far to near, one order for each octant of ray directions: entry `i` holds in
+    /// Children from near to far, one order for each octant of ray directions: entry `i` holds in
     /// bits `3 * octant` to `3 * octant + 2` the child that comes `i`-th. Bit 0 of the octant is
     /// set if the direction's x is negative, bit 1 for y, bit 2 for z.
     pub(super) order: [u32; WIDTH],

@@ -8,11 +8,13 @@ use super::{
     triangle::{Best, edge_on},
 };
 
+#[inline(never)]
 pub(super) fn closest(tree: &Tree, ray: &Ray) -> Hit {
     // SAFETY: needs no instruction beyond the target's own.
     unsafe { traverse::closest::<Portable>(tree, ray) }
 }
 
+#[inline(never)]
 pub(super) fn occluded(tree: &Tree, ray: &Ray) -> bool {
     // SAFETY: needs no instruction beyond the target's own.
     unsafe { traverse::occluded::<Portable>(tree, ray) }
@@ -126,7 +128,7 @@ impl Kernel for Portable {
         let (enter, met) = slabs(self, node, limit);
         let mut count = 0;
         let mut nearest = Child::node(0);
-        for order in node.order {
+        for order in node.order.into_iter().rev() {
             let i = (order >> self.order_shift) as usize & (WIDTH - 1);
             // SAFETY: at most eight are written.
             unsafe {
@@ -143,24 +145,21 @@ impl Kernel for Portable {
 
     #[inline(always)]
     unsafe fn any_children(&self, node: &Node, child: *mut Child) -> (usize, Child) {
-        let (_, mut met) = slabs(self, node, self.frame.t_max);
+        let (_, met) = slabs(self, node, self.frame.t_max);
         let mut count = 0;
-        let mut last = Child::node(0);
-        while met != 0 {
-            last = node.child[met.trailing_zeros() as usize];
+        for i in (0..WIDTH).rev().filter(|i| met >> i & 1 == 1) {
             // SAFETY: at most eight are written.
-            unsafe { child.add(count).write(last) };
+            unsafe { child.add(count).write(node.child[i]) };
             count += 1;
-            met &= met - 1;
         }
-        (count, last)
+        (count, node.child[met.trailing_zeros() as usize % WIDTH])
     }
 
     #[inline(always)]
-    unsafe fn closest(&self, pack: &Pack, best: &mut Best) {
+    unsafe fn closest(&self, pack: &Pack, best: &mut Best) -> bool {
         let ([v, w, det, t], hits, edges_on) = edges(&self.frame, pack, best.t);
         if hits | edges_on == 0 {
-            return;
+            return false;
         }
         for lane in 0..LANES {
             if hits >> lane & 1 == 1 && t[lane] <= best.t {
@@ -178,14 +177,16 @@ impl Kernel for Portable {
                 *best = hit;
             }
         }
+        false
     }
 
     #[inline(always)]
-    unsafe fn any(&self, pack: &Pack) -> bool {
+    unsafe fn any(&self, pack: &Pack) -> (bool, bool) {
         let (_, hits, edges_on) = edges(&self.frame, pack, self.frame.t_max);
-        hits != 0
+        let hit = hits != 0
             || (0..LANES)
                 .filter(|lane| edges_on >> lane & 1 == 1)
-                .any(|lane| edge_on(&self.frame, pack, lane, self.frame.t_max).is_some())
+                .any(|lane| edge_on(&self.frame, pack, lane, self.frame.t_max).is_some());
+        (hit, false)
     }
 }

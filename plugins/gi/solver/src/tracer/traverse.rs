@@ -5,6 +5,7 @@ use std::mem::MaybeUninit;
 use super::{
     Hit, Ray,
     node::{Child, Node, Pack, STACK, Tree},
+    portable,
     ray::Frame,
     triangle::Best,
 };
@@ -29,14 +30,15 @@ pub(super) trait Kernel: Sized {
         distance: *mut f32,
     ) -> (usize, Child);
 
-    /// The same in the node's own order and without distances.
+    /// The same in the node's own order, the first child last, and without distances.
     unsafe fn any_children(&self, node: &Node, child: *mut Child) -> (usize, Child);
 
-    /// Takes the pack's closest hit if it is closer.
-    unsafe fn closest(&self, pack: &Pack, best: &mut Best);
+    /// Takes the pack's closest hit if it is closer. Says whether single precision can't tell; then
+    /// the portable kernel has to.
+    unsafe fn closest(&self, pack: &Pack, best: &mut Best) -> bool;
 
-    /// Whether one of the pack's triangles is hit.
-    unsafe fn any(&self, pack: &Pack) -> bool;
+    /// Whether one of the pack's triangles is hit, or else whether single precision can't tell.
+    unsafe fn any(&self, pack: &Pack) -> (bool, bool);
 }
 
 /// # Safety
@@ -58,10 +60,11 @@ pub(super) unsafe fn closest<K: Kernel>(tree: &Tree, ray: &Ray) -> Hit {
     unsafe {
         let mut next = Child::node(0);
         let mut top = 0;
+        let mut doubtful = false;
         loop {
             if next.is_leaf() {
                 for pack in next.packs() {
-                    kernel.closest(tree.packs.get_unchecked(pack), &mut best);
+                    doubtful |= kernel.closest(tree.packs.get_unchecked(pack), &mut best);
                 }
             } else {
                 let node = tree.nodes.get_unchecked(next.index());
@@ -75,6 +78,11 @@ pub(super) unsafe fn closest<K: Kernel>(tree: &Tree, ray: &Ray) -> Hit {
             }
             loop {
                 if top == 0 {
+                    // Done afterwards and rarely, so that the loop calls no function and keeps
+                    // everything in registers.
+                    if doubtful {
+                        return portable::closest(tree, ray);
+                    }
                     return best.hit(kernel.frame());
                 }
                 top -= 1;
@@ -102,12 +110,15 @@ pub(super) unsafe fn occluded<K: Kernel>(tree: &Tree, ray: &Ray) -> bool {
     unsafe {
         let mut next = Child::node(0);
         let mut top = 0;
+        let mut doubtful = false;
         loop {
             if next.is_leaf() {
                 for pack in next.packs() {
-                    if kernel.any(tree.packs.get_unchecked(pack)) {
+                    let (hit, doubt) = kernel.any(tree.packs.get_unchecked(pack));
+                    if hit {
                         return true;
                     }
+                    doubtful |= doubt;
                 }
             } else {
                 let node = tree.nodes.get_unchecked(next.index());
@@ -119,7 +130,7 @@ pub(super) unsafe fn occluded<K: Kernel>(tree: &Tree, ray: &Ray) -> bool {
                 }
             }
             if top == 0 {
-                return false;
+                return doubtful && portable::occluded(tree, ray);
             }
             top -= 1;
             next = child.add(top).read();
