@@ -3,11 +3,11 @@
 //!
 //! ```text
 //! cargo run -p farlight_gi_solver --example live_lightmap -- [SCENE.glb] [--page N] [--rays N]
-//!     [--frames N] [--samples N] [--paths N] [--threads N] [--out DIR]
+//!     [--frames N] [--samples N] [--paths N] [--threads N] [--light X,Y,Z,CANDELA]
+//!     [--out DIR]
 //! ```
-//! Without a scene two rooms with a doorway are lit. `--samples` texels are compared,
-//! with so many paths each. With `--out`
-//! the atlas is written as PNG, tone-mapped.
+//! Without a scene two rooms with a doorway are lit. `--samples` texels are compared, with `--paths`
+//! paths each. With `--out` the atlas is written as PNG, tone-mapped.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -40,6 +40,8 @@ struct Arguments {
     paths: u32,
     threads: usize,
     out: Option<PathBuf>,
+    /// Position and intensity, for scenes without a light.
+    light: Option<[f32; 4]>,
 }
 
 fn arguments() -> Arguments {
@@ -52,11 +54,14 @@ fn arguments() -> Arguments {
         paths: 16384,
         threads: 1,
         out: None,
+        light: None,
     };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
-        if word == "--fast" {
-            (a.samples, a.frames) = (40, 10);
+        if word == "--light" {
+            let numbers = words.next().unwrap_or_default();
+            let numbers: Vec<f32> = numbers.split(',').filter_map(|n| n.parse().ok()).collect();
+            a.light = numbers.try_into().ok();
             continue;
         }
         let mut number = || words.next().and_then(|w| w.parse().ok()).expect("a number");
@@ -74,7 +79,7 @@ fn arguments() -> Arguments {
     a
 }
 
-/// The file's scene with every second UV set stretched over its whole square.
+/// The file's scene; second UV sets that use a small part of their square are stretched over it.
 fn load(path: &Path) -> Vec<SessionChange> {
     let imported = load_scene(path, &ImportOptions::default()).expect("a readable scene");
     let scene = imported.scene;
@@ -84,8 +89,8 @@ fn load(path: &Path) -> Vec<SessionChange> {
         let mut mesh = Mesh::clone(mesh);
         let low = mesh.uv1.iter().copied().reduce(Vec2::min).unwrap_or_default();
         let high = mesh.uv1.iter().copied().reduce(Vec2::max).unwrap_or_default();
-        for uv in &mut mesh.uv1 {
-            *uv = (*uv - low) / (high - low);
+        if (high - low).min_element() < 0.8 {
+            mesh.uv1.iter_mut().for_each(|uv| *uv = (*uv - low) / (high - low));
         }
         add(SceneChange::SetMesh(*id, Arc::new(mesh)));
     }
@@ -191,7 +196,13 @@ fn print_spread(name: &str, times: &mut [f64]) {
 
 fn scene(a: &Arguments) -> Vec<SessionChange> {
     let mut changes = match &a.scene {
-        Some(path) => load(path),
+        Some(path) => {
+            let mut changes = load(path);
+            if let Some([x, y, z, i]) = a.light {
+                changes.push(common::set_light(0, Vec3::new(x, y, z), Vec3::splat(i)));
+            }
+            changes
+        }
         None => {
             let mut b = common::two_rooms(true);
             b.point_light(0, Vec3::new(2.0, 2.2, 1.2), Vec3::splat(30.0));

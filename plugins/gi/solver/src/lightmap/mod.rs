@@ -17,6 +17,7 @@
 //! Transport", and the surfel caches of current engines.
 
 mod bake;
+mod bury;
 mod closed;
 mod direct;
 mod fill;

@@ -82,6 +82,20 @@ impl Patches {
         patches
     }
 
+    /// Gives up those sample points of a texel whose bit in `bad` is set, and the point that stands for
+    /// it if that is not `open`. Returns whether a point is left.
+    pub(crate) fn move_points(&mut self, texel: usize, open: bool, bad: u8) -> bool {
+        let Some(good) = (0..SAMPLES).find(|k| bad >> k & 1 == 0) else { return open };
+        if !open {
+            self.position[texel] = self.samples[texel][good];
+        }
+        for k in (0..SAMPLES).filter(|k| bad >> k & 1 != 0) {
+            self.samples[texel][k] = self.samples[texel][good];
+            self.points[texel][k] = self.points[texel][good];
+        }
+        true
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.position.len()
     }

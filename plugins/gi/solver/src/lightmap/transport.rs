@@ -9,6 +9,7 @@ use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::{
+    bury::is_hidden_back,
     patches::{Met, Patches},
     sequence::{cosine_direction, hash2, pack_direction, sobol, sphere_direction},
 };
@@ -91,7 +92,8 @@ impl Block {
                     self.sky.push(((start + i) as u32, pack_direction(*direction)));
                 } else if world.is_back(hit.triangle, *direction) {
                     let instance = world.instance_of(hit.triangle) as usize;
-                    buried[i].inside += u32::from(closed[instance] || hit.t < near);
+                    let hidden = hit.t < near && is_hidden_back(world, hit.triangle, *direction);
+                    buried[i].inside += u32::from(closed[instance] || hidden);
                     buried[i].back += 1;
                 }
                 let patch = patches.patch(world, *met, hit, *direction, young);

@@ -112,8 +112,8 @@ impl Lighting {
 
     /// Decides which texels are inside of other geometry, and how rectangles are filled.
     fn find_buried(&mut self) {
-        for (valid, buried) in self.valid.iter_mut().zip(&self.buried) {
-            *valid = (buried.inside as f32) < BURIED * buried.rays.max(1) as f32;
+        for ((valid, buried), open) in self.valid.iter_mut().zip(&self.buried).zip(&self.open) {
+            *valid = *open && (buried.inside as f32) < BURIED * buried.rays.max(1) as f32;
         }
         self.plan();
     }

@@ -17,6 +17,7 @@ use glam::{Vec3, Vec4};
 
 use self::{refine::Refined, solve::Job};
 use super::{
+    bury::unbury,
     closed::is_closed,
     direct::Direct,
     fill::FillPlan,
@@ -65,6 +66,8 @@ pub(crate) struct Lighting {
     near: f32,
     blocks: Vec<Block>,
     buried: Vec<Buried>,
+    /// For each texel that is shown: whether it has a point in the open, before and after rays.
+    open: Vec<bool>,
     valid: Vec<bool>,
     /// Receivers with buried texels.
     holes: Vec<usize>,
@@ -110,7 +113,8 @@ impl Lighting {
         // Taken over together with the lights.
         world.sky = Sky::default();
         let closed = world.instances().iter().map(|i| is_closed(&i.mesh)).collect();
-        let patches = Patches::new(&world, receivers, texel * 2.0);
+        let mut patches = Patches::new(&world, receivers, texel * 2.0);
+        let open = unbury(&world, &mut patches, texel);
         let fronts = patches.fronts;
         let mut lighting = Self {
             world,
@@ -126,7 +130,8 @@ impl Lighting {
             near: texel * 0.5,
             blocks: Vec::new(),
             buried: vec![Buried::default(); fronts],
-            valid: vec![true; fronts],
+            valid: open.clone(),
+            open,
             holes: Vec::new(),
             gathered: vec![Vec3::ZERO; fronts],
             spread: vec![0.0; fronts],
