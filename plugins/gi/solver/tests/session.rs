@@ -2,11 +2,13 @@
 
 mod common;
 
-use std::f32::consts::PI;
+use std::{f32::consts::PI, sync::Arc};
 
 use common::{Builder, set_light, settle, small, two_rooms};
 use farlight_gi_solver::{
+    SceneChange,
     estimate::{GatherSettings, no_progress},
+    scene::{Sky, SkyImage},
     session::{GridId, ProbeGrid, Session, SessionChange, SessionSettings, SnapshotId, reference},
 };
 use glam::{Affine3A, Quat, UVec3, Vec3};
@@ -198,5 +200,80 @@ fn texels_agree_with_the_path_tracer_and_errors_are_honest() {
         assert!(expected / real > 0.5 && expected / real < 2.0, "{what}");
         assert!(z > 0.5 && z < 1.7, "{what}");
         assert!(signed.abs() < 0.03, "{what}");
+    }
+}
+
+#[test]
+fn emissive_panels_and_skies_light_as_the_path_tracer_says() {
+    let mut b = two_rooms(true);
+    let panel = common::quad(Vec3::new(1.6, 2.0, 1.6), Vec3::X * 0.8, Vec3::Z * 0.8);
+    b.add(panel, Vec3::splat(0.5), Vec3::new(30.0, 25.0, 20.0));
+    let inside = b.session(SessionSettings { rays_per_texel: 1024, ..small() });
+    // A board over a floor under a sky with a bright spot.
+    let mut texels = vec![Vec3::splat(0.5); 256 * 128];
+    for y in 20..26 {
+        texels[y * 256 + 70..y * 256 + 76].fill(Vec3::new(300.0, 250.0, 200.0));
+    }
+    let image = Arc::new(SkyImage { width: 256, height: 128, texels });
+    let sky = Sky::Image { image, rotation: Quat::IDENTITY, scale: 1.0 };
+    let mut b = Builder::default();
+    b.quad(Vec3::ZERO, Vec3::Z * 4.0, Vec3::X * 4.0, Vec3::splat(0.5));
+    b.quad(Vec3::new(1.0, 1.0, 1.0), Vec3::Z * 2.0, Vec3::X * 2.0, Vec3::new(0.8, 0.2, 0.2));
+    b.changes.push(SessionChange::Scene(SceneChange::SetSky(sky)));
+    let outside = b.session(SessionSettings { rays_per_texel: 1024, ..small() });
+    for (what, mut session) in [("panel", inside), ("sky", outside)] {
+        settle(&mut session);
+        let rows = against_reference(&session, 60, 8192);
+        let signed =
+            rows.iter().map(|r| (r.value - r.truth) / r.truth).sum::<f32>() / rows.len() as f32;
+        let error = median(rows.iter().map(|r| ((r.value - r.truth) / r.truth).abs()));
+        println!("{what}: {} texels, signed {signed}, median {error}", rows.len());
+        // The sky's bright spot is blurred by six degrees, and with it the edge of the shadow.
+        assert!(rows.len() > 30 && signed.abs() < 0.05 && error < 0.05);
+    }
+}
+
+#[test]
+fn probes_do_not_see_through_walls_and_those_inside_of_things_are_filled() {
+    let mut b = two_rooms(false);
+    b.point_light(0, Vec3::new(2.0, 2.0, 2.0), Vec3::splat(30.0));
+    // A closed block in the bright room, around the probe at (2.5, 0.5, 2.5).
+    let mut block = common::quad(Vec3::splat(0.0), Vec3::Y, Vec3::X);
+    block.positions = (0..8)
+        .map(|i| {
+            Vec3::new(2.1, 0.1, 2.1)
+                + 0.8 * Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32)
+        })
+        .collect();
+    block.uv1.clear();
+    block.triangles =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3]]
+            .iter()
+            .flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]])
+            .collect();
+    b.add(block, Vec3::splat(0.5), Vec3::ZERO);
+    let grid = ProbeGrid {
+        transform: Affine3A::from_scale_rotation_translation(
+            Vec3::new(9.0, 3.0, 4.0),
+            Quat::IDENTITY,
+            Vec3::new(4.5, 1.5, 2.0),
+        ),
+        resolution: UVec3::new(9, 3, 4),
+    };
+    b.changes.push(SessionChange::SetGrid(GridId(1), grid));
+    let mut session = b.session(small());
+    let updates = settle(&mut session);
+    let probes = &updates.iter().flat_map(|u| &u.grids).next_back().unwrap().probes;
+    for z in 0..4 {
+        for y in 0..3 {
+            for x in 0..9 {
+                let probe = probes[x + 9 * (y + 3 * z)].0[0];
+                match x {
+                    0..4 => assert!(probe.min_element() > 0.1, "{x} {y} {z}: {probe}"),
+                    4..8 => assert_eq!(probe, Vec3::ZERO, "{x} {y} {z}"),
+                    _ => {} // beside the rooms
+                }
+            }
+        }
     }
 }

@@ -70,8 +70,9 @@ fn skim(world: &World, point: Vec3, normal: Vec3, length: f32) -> (u32, bool) {
     (backs, any)
 }
 
-/// Whether a ray meets the back of a surface whose back is not drawn.
+/// Whether a ray meets the back of a surface whose back is not drawn. What emits lights what is
+/// behind it, too, and counts as a surface to be seen.
 pub(crate) fn is_hidden_back(world: &World, triangle: u32, direction: Vec3) -> bool {
-    world.is_back(triangle, direction)
-        && !world.instances()[world.instance_of(triangle) as usize].material.double_sided
+    let material = &world.instances()[world.instance_of(triangle) as usize].material;
+    world.is_back(triangle, direction) && !material.double_sided && material.emissive == Vec3::ZERO
 }

@@ -14,7 +14,7 @@ use crate::{Hit, World};
 
 /// Past this many patches that are not fronts of texels, surfels get coarser; past twice as many no
 /// more are made and what would be one counts as black.
-const MANY: usize = 200_000;
+const MANY: usize = 60_000;
 
 /// A receiver whose texels are patches.
 pub(crate) struct Receiver {

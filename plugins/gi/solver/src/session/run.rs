@@ -29,6 +29,8 @@ pub struct Session {
     snapshot: SnapshotId,
     /// The snapshot that the running solution is for.
     solving: SnapshotId,
+    /// The newest snapshot that was answered.
+    told: SnapshotId,
     wanted: BTreeSet<InstanceId>,
     grids: BTreeMap<GridId, ProbeGrid>,
     pub(super) places: Places,
@@ -70,6 +72,7 @@ impl Session {
             scene: Scene::default(),
             snapshot: SnapshotId::default(),
             solving: SnapshotId::default(),
+            told: SnapshotId::default(),
             wanted: BTreeSet::new(),
             grids: BTreeMap::new(),
             shown: Shown::default(),
@@ -305,7 +308,10 @@ impl Session {
         let grids = changed_grids(lighting);
         let (placements, tiles) = self.shown.changed(lighting, &self.places);
         let refused = std::mem::take(&mut self.refused_news);
-        if placements.is_empty() && tiles.is_empty() && grids.is_empty() && refused.is_empty() {
+        // A snapshot is answered even if nothing looks different by it.
+        let told = std::mem::replace(&mut self.told, self.solving) == self.solving;
+        let nothing = placements.is_empty() && tiles.is_empty() && grids.is_empty();
+        if told && nothing && refused.is_empty() {
             return None;
         }
         let quality = self.quality();

@@ -90,6 +90,9 @@ pub(crate) struct Lighting {
     source: Vec3,
     /// For each patch: irradiance straight from the sky.
     sky: Vec<Vec3>,
+    /// For each texel that is shown: by how much the mean radiance of its last rays towards the sky
+    /// differs from that of those before. Empty under a black sky.
+    sky_halves: Vec<Vec3>,
     sky_stale: bool,
     /// For each patch: irradiance from other patches through its first rays.
     bounced: Vec<Vec3>,
@@ -142,6 +145,7 @@ impl Lighting {
             arriving: Vec::new(),
             source: Vec3::ZERO,
             sky: Vec::new(),
+            sky_halves: Vec::new(),
             sky_stale: true,
             bounced: Vec::new(),
             brightest: 0.0,

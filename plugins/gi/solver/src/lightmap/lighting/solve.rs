@@ -189,7 +189,7 @@ impl Lighting {
         let rays_before: u32 = before.iter().map(|b| b.count).sum();
         let rays = rays_before + last.count;
         let end = fronts.min(start + (GATHER_SLICE / rays as usize).max(1));
-        let (table, sky) = (&self.table, &self.sky);
+        let (table, sky, sky_halves) = (&self.table, &self.sky, &self.sky_halves);
         self.gathered[start..end]
             .par_iter_mut()
             .zip(&mut self.spread[start..end])
@@ -201,7 +201,8 @@ impl Lighting {
                 let new = last.gather(i, table);
                 *gathered = (old + new).truncate() * (PI / rays as f32) + sky[i];
                 let halves = new / last.count as f32 - old / rays_before.max(1) as f32;
-                *spread = luminance(halves.truncate()).abs() * PI * 0.5;
+                let halves = halves.truncate() + sky_halves.get(i).copied().unwrap_or(Vec3::ZERO);
+                *spread = luminance(halves).abs() * PI * 0.5;
             });
         end
     }
@@ -215,15 +216,30 @@ impl Lighting {
         self.sky_stale = false;
         self.sky.clear();
         self.sky.resize(count, Vec3::ZERO);
+        self.sky_halves.clear();
         if self.soft_sky.is_black() {
             return;
         }
         let fronts = self.patches.fronts;
+        let blocks: Vec<&Block> = self.blocks.iter().filter(|b| b.origins() >= fronts).collect();
         let mut rays = vec![0_u32; count];
-        for block in self.blocks.iter().filter(|b| b.origins() >= fronts) {
-            rays[..block.origins()].iter_mut().for_each(|r| *r += block.count);
+        for (k, block) in blocks.iter().enumerate() {
+            if k + 1 == blocks.len() {
+                let mean = |(sum, rays): (&Vec3, &u32)| *sum / (*rays).max(1) as f32;
+                self.sky_halves = self.sky.iter().zip(&rays).take(fronts).map(mean).collect();
+            }
+            let mut sums = vec![Vec3::ZERO; block.origins()];
             for &(origin, packed) in &block.sky {
-                self.sky[origin as usize] += self.soft_sky.radiance(unpack_direction(packed));
+                sums[origin as usize] += self.soft_sky.radiance(unpack_direction(packed));
+            }
+            if k + 1 == blocks.len() {
+                for (half, sum) in self.sky_halves.iter_mut().zip(&sums) {
+                    *half = *sum / block.count as f32 - *half;
+                }
+            }
+            for (i, sum) in sums.into_iter().enumerate() {
+                self.sky[i] += sum;
+                rays[i] += block.count;
             }
         }
         for (sky, rays) in self.sky.iter_mut().zip(rays) {
