@@ -26,7 +26,7 @@
 //!
 //! **Processors.** One traversal, two kernels: AVX2 with FMA, and plain arrays for everything else;
 //! which one is found out once. Both give the same hits to the last bit. (AVX-512's registers and
-//! masks were worth 3 %; sorting incoherent rays first cost four times what it saved.)
+//! masks were worth 3 %; sorting incoherent rays costs more than the 20 % it gains.)
 //!
 //! **Limits.** Coordinates up to 1e12; triangles beyond, with a NaN, or with no area are left out.
 //! Distances have an absolute error of a few 1e-7 of the larger of the triangle's and the origin's
