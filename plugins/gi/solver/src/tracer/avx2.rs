@@ -355,7 +355,7 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    unsafe fn closest(&self, pack: &Pack, best: &mut Best) -> bool {
+    unsafe fn closest<'a>(&self, pack: &'a Pack, best: &mut Best<'a>) -> bool {
         // SAFETY: the features are the trait's promise.
         unsafe {
             let e = self.edges(pack, best.t);
@@ -370,7 +370,8 @@ impl Kernel for Avx2 {
                             v: v.0[lane],
                             w: w.0[lane],
                             det: det.0[lane],
-                            triangle: pack.triangle[lane],
+                            pack: Some(pack),
+                            lane,
                         };
                     }
                     hits &= hits - 1;

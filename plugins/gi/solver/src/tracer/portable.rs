@@ -156,7 +156,7 @@ impl Kernel for Portable {
     }
 
     #[inline(always)]
-    unsafe fn closest(&self, pack: &Pack, best: &mut Best) -> bool {
+    unsafe fn closest<'a>(&self, pack: &'a Pack, best: &mut Best<'a>) -> bool {
         let ([v, w, det, t], hits, edges_on) = edges(&self.frame, pack, best.t);
         if hits | edges_on == 0 {
             return false;
@@ -168,7 +168,8 @@ impl Kernel for Portable {
                     v: v[lane],
                     w: w[lane],
                     det: det[lane],
-                    triangle: pack.triangle[lane],
+                    pack: Some(pack),
+                    lane,
                 };
             }
         }

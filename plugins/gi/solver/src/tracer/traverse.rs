@@ -35,7 +35,7 @@ pub(super) trait Kernel: Sized {
 
     /// Takes the pack's closest hit if it is closer. Says whether single precision can't tell; then
     /// the portable kernel has to.
-    unsafe fn closest(&self, pack: &Pack, best: &mut Best) -> bool;
+    unsafe fn closest<'a>(&self, pack: &'a Pack, best: &mut Best<'a>) -> bool;
 
     /// Whether one of the pack's triangles is hit, or else whether single precision can't tell.
     unsafe fn any(&self, pack: &Pack) -> (bool, bool);
@@ -83,7 +83,7 @@ pub(super) unsafe fn closest<K: Kernel>(tree: &Tree, ray: &Ray) -> Hit {
                     if doubtful {
                         return portable::closest(tree, ray);
                     }
-                    return best.hit(kernel.frame());
+                    return best.hit(ray, kernel.frame());
                 }
                 top -= 1;
                 if distance.add(top).read() <= best.t {

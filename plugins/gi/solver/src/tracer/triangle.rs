@@ -1,40 +1,54 @@
 //! What all triangle tests share: the closest hit so far and the exact answer for edge-on triangles.
 
+use glam::DVec3;
+
 use super::{
-    Hit,
+    Hit, Ray,
     node::{LANES, Pack},
     ray::Frame,
 };
 
 /// The closest hit so far, in the units of [`Frame`].
 #[derive(Clone, Copy)]
-pub(super) struct Best {
+pub(super) struct Best<'a> {
     pub(super) t: f32,
     /// Edge functions of the second and third corner and the sum of all three.
     pub(super) v: f32,
     pub(super) w: f32,
     pub(super) det: f32,
-    pub(super) triangle: u32,
+    /// Where the triangle is, if there is one.
+    pub(super) pack: Option<&'a Pack>,
+    pub(super) lane: usize,
 }
 
-impl Best {
+impl Best<'_> {
     #[inline(always)]
     pub(super) fn new(t_max: f32) -> Self {
-        Self { t: t_max, v: 0.0, w: 0.0, det: 1.0, triangle: Hit::MISS }
+        Self { t: t_max, v: 0.0, w: 0.0, det: 1.0, pack: None, lane: 0 }
     }
 
     #[inline(always)]
-    pub(super) fn hit(&self, frame: &Frame) -> Hit {
-        if self.triangle == Hit::MISS {
-            return Hit::NONE;
-        }
-        Hit {
-            t: self.t / frame.scale,
-            u: self.v / self.det,
-            v: self.w / self.det,
-            triangle: self.triangle,
-        }
+    pub(super) fn hit(&self, ray: &Ray, frame: &Frame) -> Hit {
+        let Some(pack) = self.pack else { return Hit::NONE };
+        let lane = self.lane & (LANES - 1);
+        let t = plane_distance(ray, pack, lane);
+        // Seen nearly edge-on there is no plane to speak of.
+        let t = if t >= ray.t_min && t <= ray.t_max { t } else { self.t / frame.scale };
+        Hit { t, u: self.v / self.det, v: self.w / self.det, triangle: pack.triangle[lane] }
     }
+}
+
+/// Where the ray meets the triangle's plane. The edge functions' distance is as exact across the
+/// plane, but where the ray grazes it, this one is much more exact along the ray.
+#[inline(always)]
+fn plane_distance(ray: &Ray, pack: &Pack, lane: usize) -> f32 {
+    let [a, b, c] = [0, 1, 2].map(|i| {
+        let p = &pack.corner[i];
+        DVec3::new(p[0][lane].into(), p[1][lane].into(), p[2][lane].into())
+    });
+    let normal = (b - a).cross(c - a);
+    let depth = (a - ray.origin.as_dvec3()).dot(normal);
+    (depth / ray.direction.as_dvec3().dot(normal)) as f32
 }
 
 /// The triangle test in double precision, for a lane whose edge functions are all zero in single
@@ -42,7 +56,12 @@ impl Best {
 /// nearly edge-on, and one that has no area in projection is not hit.
 #[cold]
 #[inline(never)]
-pub(super) fn edge_on(frame: &Frame, pack: &Pack, lane: usize, limit: f32) -> Option<Best> {
+pub(super) fn edge_on<'a>(
+    frame: &Frame,
+    pack: &'a Pack,
+    lane: usize,
+    limit: f32,
+) -> Option<Best<'a>> {
     debug_assert!(lane < LANES);
     let [x, y, z] = frame.axis;
     let corner = [0, 1, 2].map(|c| {
@@ -65,6 +84,7 @@ pub(super) fn edge_on(frame: &Frame, pack: &Pack, lane: usize, limit: f32) -> Op
         v: (v / det) as f32,
         w: (w / det) as f32,
         det: 1.0,
-        triangle: pack.triangle[lane],
+        pack: Some(pack),
+        lane,
     })
 }
