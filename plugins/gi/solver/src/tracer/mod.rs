@@ -22,15 +22,18 @@
 //! product of floats rounds monotonically: the sign of a difference of two rounded products is
 //! right or zero, never wrong. Zero counts as inside for both neighbours, so no ray passes between
 //! two triangles that share an edge, nor at a corner; where all three functions vanish, double
-//! precision decides (in which the products are exact).
+//! precision decides (in which the products are exact). The distance of the hit that remains is
+//! that of the triangle's plane, in double precision: the one from the edge functions is as exact
+//! across the plane, but off by a thousand times more along a ray that grazes it.
 //!
 //! **Processors.** One traversal, two kernels: AVX2 with FMA, and plain arrays for everything else;
 //! which one is found out once. Both give the same hits to the last bit. (AVX-512's registers and
 //! masks were worth 3 %; sorting incoherent rays costs more than the 20 % it gains.)
 //!
 //! **Limits.** Coordinates up to 1e12; triangles beyond, with a NaN, or with no area are left out.
-//! Distances have an absolute error of a few 1e-7 of the larger of the triangle's and the origin's
-//! coordinates (seen along the triangle's normal). Memory: about 75 bytes a triangle, at most 500
+//! Which triangle comes first is decided to a few 1e-7 of the larger of the triangle's and the
+//! origin's coordinates, across the triangles; the weights are as exact; the distance is rounded
+//! once. Memory: about 75 bytes a triangle, at most 500
 //! (every leaf a single triangle after the most splits); while building, up to 300 more. Triangles
 //! after the first 2^27 are left out.
 

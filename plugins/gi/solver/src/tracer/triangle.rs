@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::{
     Hit, Ray,
     node::{LANES, Pack},
-    ray::Frame,
+    ray::{Frame, max, min},
 };
 
 /// The closest hit so far, in the units of [`Frame`].
@@ -33,8 +33,15 @@ impl Best<'_> {
         let lane = self.lane & (LANES - 1);
         let t = plane_distance(ray, pack, lane);
         // Seen nearly edge-on there is no plane to speak of.
-        let t = if t >= ray.t_min && t <= ray.t_max { t } else { self.t / frame.scale };
-        Hit { t, u: self.v / self.det, v: self.w / self.det, triangle: pack.triangle[lane] }
+        let t_min = max(ray.t_min, 0.0);
+        let t = if t >= t_min && t <= ray.t_max {
+            t
+        } else {
+            // The interval was rounded when it was scaled.
+            max(min(self.t / frame.scale, ray.t_max), t_min)
+        };
+        let inverse = 1.0 / self.det;
+        Hit { t, u: self.v * inverse, v: self.w * inverse, triangle: pack.triangle[lane] }
     }
 }
 

@@ -278,6 +278,9 @@ fn distances_in_a_hall_of_100_metres() {
             let (u, v) = (f64::from(hit.u), f64::from(hit.v));
             let named = a + u * (b - a) + v * (c - a);
             worst = worst.max((point - a).dot(normal).abs());
+            // Along the ray, however it grazes the plane.
+            let exact = (a - o).dot(normal) / d.dot(normal);
+            assert!((f64::from(hit.t) - exact).abs() < 1e-6 * exact, "{ray:?} {hit:?} {exact}");
             assert!((point - named).reject_from(d).length() < 5e-5, "{ray:?} {hit:?}");
         }
         assert!(worst < 5e-5, "{:?}: {worst}", tracer.instructions);
