@@ -89,7 +89,7 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
 /// tests, so that the engine's check from clippy is used again.
 fn docs() -> Result<(), Failure> {
     let mut cargo = process::cargo();
-    cargo.args(["doc", "--workspace", "--no-deps", "--lib", "--bins", "--examples"]);
+    cargo.args(["doc", "--workspace", "--no-deps", "--lib", "--examples"]);
     process::run(cargo.env("RUSTDOCFLAGS", "-D warnings"))
 }
 
