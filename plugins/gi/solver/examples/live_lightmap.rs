@@ -4,7 +4,7 @@
 //! ```text
 //! cargo run -p farlight_gi_solver --example live_lightmap -- [SCENE.glb] [--page N] [--rays N]
 //!     [--frames N] [--samples N] [--paths N] [--threads N] [--light X,Y,Z,CANDELA]
-//!     [--out DIR]
+//!     [--sky RADIANCE] [--scale METRES] [--out DIR]
 //! ```
 //! Without a scene two rooms with a doorway are lit. `--samples` texels are compared, with `--paths`
 //! paths each. With `--out` the atlas is written as PNG, tone-mapped.
@@ -23,11 +23,12 @@ use farlight_gi_solver::{
     SceneChange,
     estimate::{GatherSettings, no_progress},
     import::{ImportOptions, load_scene},
-    scene::{Light, LightId, Mesh},
+    scene::{Light, LightId, Mesh, Sky},
     session::{
         GridId, LightingUpdate, ProbeGrid, Session, SessionChange, SessionSettings, SnapshotId,
         reference,
     },
+    unwrap::{UnwrapOptions, ensure_uv1},
 };
 use glam::{Affine3A, Quat, UVec3, Vec2, Vec3};
 
@@ -42,6 +43,10 @@ struct Arguments {
     out: Option<PathBuf>,
     /// Position and intensity, for scenes without a light.
     light: Option<[f32; 4]>,
+    /// Radiance of a constant sky.
+    sky: Option<f32>,
+    /// Metres a unit of the file.
+    scale: f32,
 }
 
 fn arguments() -> Arguments {
@@ -55,6 +60,8 @@ fn arguments() -> Arguments {
         threads: 1,
         out: None,
         light: None,
+        sky: None,
+        scale: 1.0,
     };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
@@ -62,6 +69,15 @@ fn arguments() -> Arguments {
             let numbers = words.next().unwrap_or_default();
             let numbers: Vec<f32> = numbers.split(',').filter_map(|n| n.parse().ok()).collect();
             a.light = numbers.try_into().ok();
+            continue;
+        }
+        if word == "--sky" || word == "--scale" {
+            let value = words.next().and_then(|w| w.parse().ok());
+            if word == "--sky" {
+                a.sky = value;
+            } else {
+                a.scale = value.unwrap_or(1.0);
+            }
             continue;
         }
         let mut number = || words.next().and_then(|w| w.parse().ok()).expect("a number");
@@ -80,13 +96,20 @@ fn arguments() -> Arguments {
 }
 
 /// The file's scene; second UV sets that use a small part of their square are stretched over it.
-fn load(path: &Path) -> Vec<SessionChange> {
-    let imported = load_scene(path, &ImportOptions::default()).expect("a readable scene");
+fn load(path: &Path, scale: f32) -> Vec<SessionChange> {
+    let options = ImportOptions { scale, ..ImportOptions::default() };
+    let imported = load_scene(path, &options).expect("a readable scene");
     let scene = imported.scene;
     let mut changes = Vec::new();
     let mut add = |change| changes.push(SessionChange::Scene(change));
     for (id, mesh) in &scene.meshes {
-        let mut mesh = Mesh::clone(mesh);
+        let mut mesh = if mesh.uv1.is_empty() {
+            let unwrapped =
+                ensure_uv1(mesh, &UnwrapOptions::default()).expect("an unwrappable mesh");
+            unwrapped.apply(mesh)
+        } else {
+            Mesh::clone(mesh)
+        };
         let low = mesh.uv1.iter().copied().reduce(Vec2::min).unwrap_or_default();
         let high = mesh.uv1.iter().copied().reduce(Vec2::max).unwrap_or_default();
         if (high - low).min_element() < 0.8 {
@@ -184,6 +207,16 @@ fn compare(session: &Session, client: &Client, a: &Arguments, label: &str) {
     );
 }
 
+/// CPU time of all threads of this process so far, in milliseconds; 0 where there is no /proc.
+fn cpu_milliseconds() -> f64 {
+    let Ok(tasks) = std::fs::read_dir("/proc/self/task") else { return 0.0 };
+    let nanoseconds = tasks.flatten().filter_map(|task| {
+        let text = std::fs::read_to_string(task.path().join("schedstat")).ok()?;
+        text.split(' ').next()?.parse::<f64>().ok()
+    });
+    nanoseconds.sum::<f64>() / 1e6
+}
+
 fn milliseconds(d: Duration) -> f64 {
     d.as_secs_f64() * 1e3
 }
@@ -197,7 +230,11 @@ fn print_spread(name: &str, times: &mut [f64]) {
 fn scene(a: &Arguments) -> Vec<SessionChange> {
     let mut changes = match &a.scene {
         Some(path) => {
-            let mut changes = load(path);
+            let mut changes = load(path, a.scale);
+            if let Some(sky) = a.sky {
+                let sky = Sky::Constant(Vec3::splat(sky));
+                changes.push(SessionChange::Scene(SceneChange::SetSky(sky)));
+            }
             if let Some([x, y, z, i]) = a.light {
                 changes.push(common::set_light(0, Vec3::new(x, y, z), Vec3::splat(i)));
             }
@@ -280,10 +317,10 @@ fn main() {
         let change = SessionChange::Scene(SceneChange::SetLight(id, light));
         session.apply(SnapshotId(snapshot), vec![change]);
     };
-    let mut times = Vec::new();
+    let (mut times, mut cpu_times) = (Vec::new(), Vec::new());
     client.bytes = 0;
     for frame in 0..a.frames {
-        let t = Instant::now();
+        let (t, cpu) = (Instant::now(), cpu_milliseconds());
         change(&mut session, light_id, place(frame));
         for _ in 0..100 {
             if let Some(update) = session.step() {
@@ -292,8 +329,10 @@ fn main() {
             }
         }
         times.push(milliseconds(t.elapsed()));
+        cpu_times.push(cpu_milliseconds() - cpu);
     }
     print_spread("update for a moved light", &mut times);
+    print_spread("  its CPU time on all threads", &mut cpu_times);
     println!("{:.0} KB an update", client.bytes as f64 / f64::from(a.frames) / 1e3);
     compare(&session, &client, &a, "moving, same instant");
     write(&client, "moving");

@@ -215,7 +215,7 @@ impl Session {
             return None;
         }
         if !lighting.settled {
-            self.dirty.light = true;
+            lighting.polish();
             return None;
         }
         match lighting.refine(self.settings.converged_paths) {

@@ -61,6 +61,8 @@ pub(crate) struct Lighting {
     pub traced: u64,
     /// Whether another solution for the same light would give the same.
     pub settled: bool,
+    /// Solutions for the same light and rays only to let bounces come to the end.
+    polishes: u32,
     limits: Limits,
     closed: Vec<bool>,
     near: f32,
@@ -128,6 +130,7 @@ impl Lighting {
             plans: Vec::new(),
             traced: 0,
             settled: true,
+            polishes: 0,
             limits,
             closed,
             near: texel * 0.5,
@@ -241,6 +244,13 @@ impl Lighting {
 
     /// Begins a solution for the lights as they are.
     pub(crate) fn start(&mut self) {
+        self.polishes = 0;
+        self.job = Some(Job::Direct);
+    }
+
+    /// Begins one that takes the bounces of the last one to their end.
+    pub(crate) fn polish(&mut self) {
+        self.polishes += 1;
         self.job = Some(Job::Direct);
     }
 

@@ -12,11 +12,15 @@ use crate::lightmap::{sequence::unpack_direction, transport::Block};
 const SHADOW_SLICE: usize = 1 << 18;
 /// Kept rays that one slice reads.
 const GATHER_SLICE: usize = 1 << 24;
-/// A bounce that changes no patch's irradiance by more than this part of it is the last for now.
+/// A patch is still changing if a bounce changes its irradiance by more than this part of it.
 const ENOUGH: f32 = 5e-3;
-/// Below this nothing more comes; where a solution ends before, another one follows when there is
-/// nothing else to do.
+/// The same where there is nothing else to do than to come to the end.
 const SETTLED: f32 = 5e-4;
+/// So small a part of the patches may be changing when bounces end: light between two white
+/// surfaces that nearly touch takes for ever to come to rest, and matters to nobody else.
+const STRAGGLERS: f32 = 5e-3;
+/// So many solutions follow at most, for the same light, until bounces have come to the end.
+const MOST_POLISHES: u32 = 3;
 /// Patches darker than this part of the brightest do not hold anything up.
 const DARK: f32 = 2e-3;
 /// From this many bounces on, all are followed, each solution starting from the one before.
@@ -66,12 +70,15 @@ impl Lighting {
                 self.job = Some(self.first_bounce());
             }
             Some(Job::Bounce(n)) => {
-                let change = self.bounce();
+                let changing = self.bounce();
                 self.fill_table();
                 let counted = self.limits.bounces < ALL_BOUNCES;
-                self.settled = counted || change < SETTLED;
                 let most = if counted { self.limits.bounces } else { MOST_STEPS };
-                let last = n + 1 >= most || (!counted && change < ENOUGH);
+                let goal = if self.polishes > 0 { changing.1 } else { changing.0 };
+                let ended = !counted && goal <= STRAGGLERS;
+                self.settled =
+                    counted || changing.1 <= STRAGGLERS || self.polishes >= MOST_POLISHES;
+                let last = n + 1 >= most || ended;
                 self.job = Some(if last { Job::Gather(0) } else { Job::Bounce(n + 1) });
             }
             Some(Job::Gather(start)) => {
@@ -138,14 +145,15 @@ impl Lighting {
         });
     }
 
-    /// One bounce between all patches. Returns the largest relative change.
-    fn bounce(&mut self) -> f32 {
+    /// One bounce between all patches. Returns which part of them changed by more than [`ENOUGH`], and
+    /// by more than [`SETTLED`].
+    fn bounce(&mut self) -> (f32, f32) {
         let fronts = self.patches.fronts;
         let blocks: Vec<&Block> =
             self.blocks.iter().take(LOW_BLOCKS).filter(|b| b.origins() >= fronts).collect();
         let (table, valid) = (&self.table, &self.valid);
         let dark = self.brightest * DARK;
-        let (change, largest) = self
+        let (much, little, largest) = self
             .bounced
             .par_iter_mut()
             .with_min_len(128)
@@ -162,9 +170,10 @@ impl Lighting {
                 *bounced = new;
                 // Buried texels are filled below: what rays say of them is never the last word.
                 let buried = valid.get(i).is_some_and(|valid| !valid);
-                (if buried { 0.0 } else { change }, new.max_element())
+                let over = |limit| u32::from(!buried && change > limit);
+                (over(ENOUGH), over(SETTLED), new.max_element())
             })
-            .reduce(|| (0.0_f32, 0.0_f32), |a, b| (a.0.max(b.0), a.1.max(b.1)));
+            .reduce(|| (0, 0, 0.0_f32), |a, b| (a.0 + b.0, a.1 + b.1, a.2.max(b.2)));
         for &receiver in &self.holes {
             let first = self.patches.receivers[receiver].first as usize;
             let plan = &self.plans[receiver];
@@ -178,7 +187,8 @@ impl Lighting {
             }
         }
         self.brightest = largest;
-        change
+        let all = self.bounced.len().max(1) as f32;
+        (much as f32 / all, little as f32 / all)
     }
 
     /// The last gather for a slice of the texels that are shown. Returns its end.
