@@ -45,6 +45,8 @@ pub(crate) struct Buried {
     pub rays: u32,
     /// Rays that met a back face, weighed: 1 for one of a closed mesh, or nearer than the limit.
     pub inside: u32,
+    /// Rays that met a back that is not drawn.
+    pub hidden: u32,
     /// Rays that met any back face.
     pub back: u32,
 }
@@ -92,8 +94,9 @@ impl Block {
                     self.sky.push(((start + i) as u32, pack_direction(*direction)));
                 } else if world.is_back(hit.triangle, *direction) {
                     let instance = world.instance_of(hit.triangle) as usize;
-                    let hidden = hit.t < near && is_hidden_back(world, hit.triangle, *direction);
-                    buried[i].inside += u32::from(closed[instance] || hidden);
+                    let hidden = is_hidden_back(world, hit.triangle, *direction);
+                    buried[i].hidden += u32::from(hidden);
+                    buried[i].inside += u32::from(closed[instance] || (hidden && hit.t < near));
                     buried[i].back += 1;
                 }
                 let patch = patches.patch(world, *met, hit, *direction, young);

@@ -12,6 +12,8 @@ const FIRST_PROBE_BLOCK: u32 = 128;
 const SLICE: usize = 1 << 16;
 /// A texel is buried if this part of its rays meets the inside of closed meshes, or backs near by.
 const BURIED: f32 = 0.5;
+/// It is also if this part of its rays meets backs that are not drawn, however far away.
+const ENCLOSED: f32 = 0.8;
 
 impl Lighting {
     /// Traces one slice of kept rays. `None` if there is nothing left to trace, else whether
@@ -40,6 +42,7 @@ impl Lighting {
                     let sum = &mut self.buried[i];
                     sum.rays += new.rays;
                     sum.inside += new.inside;
+                    sum.hidden += new.hidden;
                 }
                 let done = end == domain && start < fronts;
                 if done && index < LOW_BLOCKS {
@@ -113,7 +116,10 @@ impl Lighting {
     /// Decides which texels are inside of other geometry, and how rectangles are filled.
     fn find_buried(&mut self) {
         for ((valid, buried), open) in self.valid.iter_mut().zip(&self.buried).zip(&self.open) {
-            *valid = *open && (buried.inside as f32) < BURIED * buried.rays.max(1) as f32;
+            let rays = buried.rays.max(1) as f32;
+            *valid = *open
+                && (buried.inside as f32) < BURIED * rays
+                && (buried.hidden as f32) < ENCLOSED * rays;
         }
         self.plan();
     }
