@@ -11,7 +11,7 @@ use std::{
 
 use bevy::math::{Affine3A, UVec3, Vec2, Vec3};
 use farlight_gi_solver::{
-    Scene, World,
+    Ray, Scene, World,
     estimate::{GatherSettings, no_progress},
     probe::gather_probes,
     receiver::{Receiver, gather_receivers},
@@ -29,7 +29,8 @@ pub struct TexelCentre {
     pub receiver: Receiver,
 }
 
-/// All texels of the placed instances whose centres lie on a surface, in the order of pages and rows.
+/// All texels of the placed instances whose centres lie on a surface in the open, in the order of
+/// pages and rows. What is buried under or inside of something is never seen.
 pub fn texel_centres(scene: &Scene, placements: &[Placement]) -> Vec<TexelCentre> {
     let mut centres = Vec::new();
     for placement in placements {
@@ -39,7 +40,25 @@ pub fn texel_centres(scene: &Scene, placements: &[Placement]) -> Vec<TexelCentre
     }
     centres.sort_by_key(|c| [c.texel[0], c.texel[2], c.texel[1]]);
     centres.dedup_by_key(|c| c.texel);
+    let world = World::new(scene);
+    centres.retain(|c| is_open(&world, &c.receiver));
     centres
+}
+
+/// Whether less than half of the rays from a point meet surfaces from behind.
+fn is_open(world: &World, receiver: &Receiver) -> bool {
+    const RAYS: u32 = 64;
+    let (x, y) = receiver.normal.any_orthonormal_pair();
+    let behind = (0..RAYS).filter(|&i| {
+        // A spiral of directions with density cos θ / π.
+        let radius = ((i as f32 + 0.5) / RAYS as f32).sqrt();
+        let (sin, cos) = (i as f32 * 2.399_963_2).sin_cos();
+        let up = (1.0 - radius * radius).sqrt();
+        let direction = (x * cos + y * sin) * radius + receiver.normal * up;
+        let hit = world.tracer.closest(&Ray::new(receiver.origin(), direction));
+        hit.is_hit() && world.surface(&hit, direction).back
+    });
+    (behind.count() as u32) < RAYS / 2
 }
 
 fn centres_of(

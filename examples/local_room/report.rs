@@ -35,7 +35,10 @@ const DEFINITIONS: &[(&str, &str)] = &[
         "error",
         "relative error of a texel that the frame shows: absolute differences of the channels, summed, over the sum of the reference's channels; the reference is path traced for the light of that very frame; texels below 1 % of the brightest are left out; median and p95 are over texels and instants together",
     ),
-    ("texels", "those whose centres lie on a surface"),
+    (
+        "texels",
+        "those whose centres lie on a surface in the open: not buried under or inside of something",
+    ),
     (
         "system_cpu_ms",
         "CPU time of the threads that run this project's systems, a frame, both worlds together; the solver's thread is not part of it",
