@@ -3,7 +3,9 @@
 //! `extraction` and `tags` need no GPU. The others render small pictures and need a Vulkan device; Mesa's
 //! lavapipe will do.
 
+mod cost;
 mod extraction;
+mod gltf;
 mod mock;
 mod pictures;
 mod rooms;

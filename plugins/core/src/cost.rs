@@ -5,10 +5,10 @@ use std::{
         Arc,
         atomic::{AtomicU64, Ordering},
     },
-    time::{Duration, Instant},
+    time::Duration,
 };
 
-use bevy::ecs::resource::Resource;
+use bevy::{ecs::resource::Resource, platform::time::Instant};
 
 /// CPU time that the calling thread has used; `None` where the system doesn't say.
 #[must_use]

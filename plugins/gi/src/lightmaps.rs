@@ -29,7 +29,7 @@ pub struct GiLightmaps {
     pages: BTreeMap<PageId, Page>,
     placements: EntityHashMap<Placement>,
     /// Placements whose texels are on their way to the GPU.
-    coming: Vec<Coming>,
+    coming: EntityHashMap<Coming>,
     /// Whether the textures hold the texels, or black.
     shown: bool,
 }
@@ -40,7 +40,6 @@ struct Page {
 }
 
 struct Coming {
-    entity: Entity,
     placement: Placement,
     /// Shown when this is written.
     ticket: Ticket,
@@ -97,14 +96,34 @@ impl GiLightmaps {
         self.max_pages = max_pages;
     }
 
-    /// Copies a tile into its page and sends it on its way to the GPU. Tiles that don't lie on a
-    /// page are ignored: a backend may be another machine.
+    /// Copies tiles into their pages and sends them on their way to the GPU, in few pieces. Tiles
+    /// that don't lie on a page are ignored: a backend may be another machine. Answers the first and
+    /// the last ticket.
     pub(crate) fn write(
         &mut self,
-        tile: EncodedTile,
+        tiles: Vec<EncodedTile>,
         images: &mut Assets<Image>,
         uploads: &TextureUploads,
-    ) -> Result<Option<Ticket>, RegionProblem> {
+    ) -> Result<Option<(Ticket, Ticket)>, RegionProblem> {
+        let mut pages: BTreeMap<PageId, Vec<EncodedTile>> = BTreeMap::new();
+        for tile in tiles {
+            if self.copy(&tile, images) && self.shown {
+                pages.entry(tile.page).or_default().push(tile);
+            }
+        }
+        let mut tickets: Option<(Ticket, Ticket)> = None;
+        for (id, tiles) in pages {
+            let page = &self.pages[&id];
+            for piece in pieces(tiles, page, self.page_size as usize) {
+                let ticket = uploads.write(page.image.id(), region(piece.rect), piece.texels)?;
+                tickets = Some((tickets.map_or(ticket, |t| t.0), ticket));
+            }
+        }
+        Ok(tickets)
+    }
+
+    /// Copies a tile into its page; `false` if it doesn't lie on one.
+    fn copy(&mut self, tile: &EncodedTile, images: &mut Assets<Image>) -> bool {
         let rect = tile.rect;
         let size = self.page_size;
         let fits = rect.x.checked_add(rect.width).is_some_and(|end| end <= size)
@@ -114,7 +133,7 @@ impl GiLightmaps {
             && tile.page.0 < self.max_pages;
         if !fits {
             warn!("texels that lie outside of the lightmaps are ignored: {:?} {rect:?}", tile.page);
-            return Ok(None);
+            return false;
         }
         let page = self.page(tile.page, images);
         let row = rect.width as usize * TEXEL;
@@ -122,11 +141,7 @@ impl GiLightmaps {
             let at = ((rect.y as usize + y) * size as usize + rect.x as usize) * TEXEL;
             page.texels[at..at + row].copy_from_slice(texels);
         }
-        if !self.shown {
-            return Ok(None);
-        }
-        let image = self.pages[&tile.page].image.id();
-        uploads.write(image, region(rect), tile.texels).map(Some)
+        true
     }
 
     fn page(&mut self, id: PageId, images: &mut Assets<Image>) -> &mut Page {
@@ -150,8 +165,7 @@ impl GiLightmaps {
             return;
         }
         self.page(placement.page, images);
-        self.coming.retain(|coming| coming.entity != entity);
-        self.coming.push(Coming { entity, placement, ticket, frames: 0 });
+        self.coming.insert(entity, Coming { placement, ticket, frames: 0 });
     }
 
     /// Switches between the texels and black, at once: the whole pages are written.
@@ -189,14 +203,14 @@ impl GiLightmaps {
         done: Ticket,
     ) {
         for &entity in unlit {
-            self.coming.retain(|coming| coming.entity != entity);
+            self.coming.remove(&entity);
             if self.placements.remove(&entity).is_some() {
                 remove_lightmap(commands, materials, entity);
             }
         }
         let size = self.page_size as f32;
         let (placements, pages) = (&mut self.placements, &self.pages);
-        self.coming.retain_mut(|coming| {
+        self.coming.retain(|&entity, coming| {
             if coming.ticket > done {
                 return true;
             }
@@ -204,7 +218,6 @@ impl GiLightmaps {
                 coming.frames -= 1;
                 return true;
             }
-            let entity = coming.entity;
             if let Some(old) = placements.get(&entity) {
                 if *old == coming.placement {
                     return false;
@@ -263,6 +276,29 @@ fn remove_lightmap(
         material.set_changed();
         commands.entity(entity).try_remove::<Lightmap>();
     }
+}
+
+/// Tiles of one page as they are, or together as the box around them where they fill it well: a
+/// write costs as much as a thousand texels.
+fn pieces(tiles: Vec<EncodedTile>, page: &Page, size: usize) -> Vec<EncodedTile> {
+    let (mut min, mut max) = ((u32::MAX, u32::MAX), (0, 0));
+    let mut area = 0;
+    for EncodedTile { rect, .. } in &tiles {
+        min = (min.0.min(rect.x), min.1.min(rect.y));
+        max = (max.0.max(rect.x + rect.width), max.1.max(rect.y + rect.height));
+        area += rect.width as usize * rect.height as usize + 1024;
+    }
+    let (width, height) = ((max.0 - min.0) as usize, (max.1 - min.1) as usize);
+    if tiles.len() == 1 || width * height > area {
+        return tiles;
+    }
+    let mut texels = Vec::with_capacity(width * height * TEXEL);
+    for y in min.1 as usize..max.1 as usize {
+        let at = (y * size + min.0 as usize) * TEXEL;
+        texels.extend_from_slice(&page.texels[at..at + width * TEXEL]);
+    }
+    let rect = TexelRect { x: min.0, y: min.1, width: max.0 - min.0, height: max.1 - min.1 };
+    vec![EncodedTile { page: tiles[0].page, rect, texels }]
 }
 
 fn region(rect: TexelRect) -> Region {

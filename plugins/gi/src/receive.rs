@@ -1,8 +1,8 @@
 //! Updates of the backend into textures, components and the status.
 
-use std::{collections::VecDeque, time::Instant};
+use std::collections::VecDeque;
 
-use bevy::{light::IrradianceVolume, prelude::*};
+use bevy::{light::IrradianceVolume, platform::time::Instant, prelude::*};
 use farlight_core::{RonSettings, TextureUploads, Ticket};
 use farlight_gi_solver::session::{Quality, SnapshotId};
 
@@ -155,19 +155,18 @@ fn take(
     let mut tickets: Option<(Ticket, Ticket)> = None;
     let mut overflow = false;
     let mut written = |result| match result {
-        Ok(Some(ticket)) => {
-            tickets = Some((tickets.map_or(ticket, |t| t.0), ticket));
+        Ok(Some((first, last))) => {
+            tickets = Some((tickets.map_or(first, |t| t.0), last));
         }
         Ok(None) => {}
         Err(_) => overflow = true,
     };
-    for tile in update.tiles {
-        written(lightmaps.write(tile, images, uploads));
-    }
+    written(lightmaps.write(update.tiles, images, uploads));
     for grid in update.grids {
         let Some(entity) = Entity::try_from_bits(grid.grid.0) else { continue };
         if commands.get_entity(entity).is_ok() {
-            written(volumes.write(entity, grid, shown, commands, images, uploads));
+            let ticket = volumes.write(entity, grid, shown, commands, images, uploads);
+            written(ticket.map(|ticket| ticket.map(|ticket| (ticket, ticket))));
         }
     }
     let (first, last) = tickets.unwrap_or_default();

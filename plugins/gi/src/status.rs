@@ -1,12 +1,8 @@
 //! How the indirect light is doing, for games to show and tests to read.
 
-use std::{
-    borrow::Cow,
-    sync::Arc,
-    time::{Duration, Instant},
-};
+use std::{borrow::Cow, sync::Arc, time::Duration};
 
-use bevy::{ecs::entity::EntityHashMap, prelude::*};
+use bevy::{ecs::entity::EntityHashMap, platform::time::Instant, prelude::*};
 use farlight_core::{CostMeter, LeftOut, Measured, TextureUploads, TimeStats, TimeWindow};
 use farlight_gi_solver::session::{Quality, SnapshotId};
 

@@ -9,13 +9,13 @@ mod queue;
 use std::{
     collections::VecDeque,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
-    time::Instant,
 };
 
 use bevy::{
     asset::AssetId,
     image::Image,
     log::error,
+    platform::time::Instant,
     prelude::*,
     render::{
         Render, RenderApp, RenderStartup, RenderSystems,
@@ -71,6 +71,10 @@ pub struct UploadProgress {
     /// When everything up to a ticket was written, likewise.
     pub finished: Vec<(Ticket, Instant)>,
 }
+
+/// What a write costs besides its bytes, in bytes: a staging buffer and some driver calls take about
+/// as long as copying this much.
+const WRITE_OVERHEAD: usize = 8 << 10;
 
 /// Most entries of the lists of times between two looks at the progress.
 const MAX_TIMES: usize = 256;
@@ -195,15 +199,15 @@ fn write_textures(
     images: Res<RenderAssets<GpuImage>>,
 ) {
     let mut shared = uploads.lock();
+    let all = std::mem::take(&mut shared.all_next_frame);
     if shared.queue.bytes() == 0 {
         return;
     }
     let _measure = uploads.meter.measure(0);
-    let all = std::mem::take(&mut shared.all_next_frame);
     let budget = if all { usize::MAX } else { shared.bytes_per_frame };
     let before = shared.queue.done();
     let mut newest = Ticket(0);
-    let written = shared.queue.drain(budget, |entry, rows| {
+    let written = shared.queue.drain(budget, WRITE_OVERHEAD, |entry, rows| {
         let Some(image) = images.get(entry.image) else { return Written::Later };
         if let Err(problem) = fits(entry, image) {
             error!("texels for an image are dropped: {problem}");
@@ -251,6 +255,7 @@ fn fits(entry: &Entry, image: &GpuImage) -> Result<(), String> {
 fn write_rows(queue: &RenderQueue, image: &GpuImage, entry: &Entry, rows: Rows) {
     let Region { origin, size } = entry.region;
     let row_bytes = entry.row_bytes();
+    let height = rows.count.min(size.y);
     let bytes = &entry.bytes[rows.first as usize * row_bytes..][..rows.count as usize * row_bytes];
     queue.write_texture(
         TexelCopyTextureInfo {
@@ -267,8 +272,8 @@ fn write_rows(queue: &RenderQueue, image: &GpuImage, entry: &Entry, rows: Rows) 
         TexelCopyBufferLayout {
             offset: 0,
             bytes_per_row: u32::try_from(row_bytes).ok(),
-            rows_per_image: Some(rows.count),
+            rows_per_image: Some(height),
         },
-        Extent3d { width: size.x, height: rows.count, depth_or_array_layers: 1 },
+        Extent3d { width: size.x, height, depth_or_array_layers: rows.count / height },
     );
 }

@@ -111,11 +111,19 @@ impl Entry {
         }
     }
 
-    /// The next rows to write, at most `most`, within one slice so that they form a box.
+    /// The next rows to write, at most `most`, so that they form a box: whole slices, or a part of
+    /// one.
     fn next(&self, most: u32) -> Rows {
         let height = self.region.size.y;
-        let in_slice = height - self.next_row % height;
-        Rows { first: self.next_row, count: most.min(in_slice).min(self.rows_left()) }
+        let first = self.next_row;
+        let most = most.min(self.rows_left()).min(self.rows() - first);
+        let in_slice = height - first % height;
+        let count = if in_slice == height && most >= height {
+            most / height * height
+        } else {
+            most.min(in_slice)
+        };
+        Rows { first, count }
     }
 
     fn advance(&mut self, count: u32) {
@@ -219,15 +227,17 @@ impl Queue {
         self.bytes = self.entries.iter().map(|e| e.bytes.len()).sum();
     }
 
-    /// Hands rows to `write` in order until `budget` bytes are used; at least one row is written,
-    /// so that any budget gets through. `write` answers whether it could: entries that it refuses
+    /// Hands rows to `write` in order until `budget` bytes are used, of which each write takes
+    /// `overhead` besides its own; at least one row is written, so that any budget gets through.
+    /// `write` answers whether it could: entries that it refuses
     /// stay (`Later`) or leave (`Never`). Returns the bytes written.
     pub(super) fn drain(
         &mut self,
         budget: usize,
+        overhead: usize,
         mut write: impl FnMut(&Entry, Rows) -> Written,
     ) -> usize {
-        let mut used = 0;
+        let (mut used, mut written) = (0_usize, 0);
         let mut at = 0;
         while at < self.entries.len() {
             let entry = &mut self.entries[at];
@@ -235,7 +245,7 @@ impl Queue {
             let mut remove = false;
             let mut blocked = false;
             while entry.rows_left() > 0 {
-                let room = budget.saturating_sub(used) / row_bytes.max(1);
+                let room = budget.saturating_sub(used + overhead) / row_bytes.max(1);
                 let most = if used == 0 { room.max(1) } else { room };
                 if most == 0 {
                     break;
@@ -243,7 +253,9 @@ impl Queue {
                 let rows = entry.next(u32::try_from(most).unwrap_or(u32::MAX));
                 match write(entry, rows) {
                     Written::Yes => {
-                        used += rows.count as usize * row_bytes;
+                        let bytes = rows.count as usize * row_bytes;
+                        used += bytes + overhead;
+                        written += bytes;
                         entry.advance(rows.count);
                     }
                     Written::Later => {
@@ -265,7 +277,7 @@ impl Queue {
                 break;
             }
         }
-        used
+        written
     }
 }
 
@@ -295,7 +307,7 @@ mod tests {
 
     /// Drains into a picture of `8 x 8` one-byte texels.
     fn drain(queue: &mut Queue, picture: &mut [u8; 64], budget: usize) -> usize {
-        queue.drain(budget, |entry, rows| {
+        queue.drain(budget, 0, |entry, rows| {
             let width = entry.region.size.x as usize;
             for row in rows.first..rows.first + rows.count {
                 let y = (entry.region.origin.y + row) as usize;
@@ -396,10 +408,19 @@ mod tests {
         queue.push(image(1), region(0, 0, 8, 8), vec![1; 64], 1 << 20).unwrap();
         let b = queue.push(image(2), region(0, 0, 8, 8), vec![1; 64], 1 << 20).unwrap();
         let ready = |e: &Entry, _| if e.image == image(2) { Written::Yes } else { Written::Later };
-        assert_eq!(queue.drain(1 << 20, ready), 64);
+        assert_eq!(queue.drain(1 << 20, 0, ready), 64);
         assert_eq!(queue.done(), Ticket(0));
-        assert_eq!(queue.drain(1 << 20, |_, _| Written::Never), 0);
+        assert_eq!(queue.drain(1 << 20, 0, |_, _| Written::Never), 0);
         assert_eq!((queue.done(), queue.bytes()), (b, 0));
+    }
+
+    #[test]
+    fn many_small_writes_cost_more_than_their_bytes() {
+        let mut queue = Queue::default();
+        for x in 0..8 {
+            queue.push(image(1), region(x, 0, 1, 1), vec![1], 1 << 20).unwrap();
+        }
+        assert_eq!(queue.drain(100, 24, |_, _| Written::Yes), 4);
     }
 
     #[test]
@@ -408,14 +429,15 @@ mod tests {
         let volume = Region { origin: UVec3::ZERO, size: UVec3::new(2, 3, 4) };
         queue.push(image(1), volume, vec![0; 24], 1 << 20).unwrap();
         let mut seen = Vec::new();
-        queue.drain(8, |_, rows| {
+        queue.drain(8, 0, |_, rows| {
             seen.push((rows.first, rows.count));
             Written::Yes
         });
-        queue.drain(1 << 20, |_, rows| {
+        queue.drain(1 << 20, 0, |_, rows| {
             seen.push((rows.first, rows.count));
             Written::Yes
         });
-        assert_eq!(seen, [(0, 3), (3, 1), (4, 2), (6, 3), (9, 3)]);
+        // Part of the budget ends within a slice; whole slices go together.
+        assert_eq!(seen, [(0, 3), (3, 1), (4, 2), (6, 6)]);
     }
 }
