@@ -53,12 +53,13 @@ pub fn compare(
     let mut times = Vec::new();
     for step in &seen.steps {
         let before = converged(&step.before.scene);
-        at_rest.push(relative_errors(&truth.pick(&step.before.texels), &before));
+        let shown = truth.pick(&step.before.texels);
+        at_rest.push(relative_errors(&shown, &before));
         let after = match brighter(&step.before.scene, &step.after) {
             Some(factor) => before.iter().map(|texel| *texel * factor).collect(),
             None => converged(&step.after),
         };
-        times.push(step_times(&before, &after, &truth.writes(step)));
+        times.push(step_times(&before, &after, &shown, &truth.writes(step)));
     }
     eprintln!();
     report.error_before_step = ErrorSummary::of(&at_rest);

@@ -24,7 +24,7 @@ const DEFINITIONS: &[(&str, &str)] = &[
     ),
     (
         "step_90_ms",
-        "from here on the median receiver has done 90 % of its own change, by its converged values before and after",
+        "from here on the median receiver's shown value has changed, since the step, by 90 % of what its converged value changes by",
     ),
     (
         "step_90_of_receivers_ms",

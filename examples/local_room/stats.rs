@@ -91,15 +91,21 @@ pub struct Written {
     pub texels: Vec<Vec3>,
 }
 
-/// Times of one step from the converged lightmaps `before` and `after` it and what was written
-/// since. The change of a texel is that of its channels' sum.
-pub fn step_times(before: &[Vec3], after: &[Vec3], writes: &[Written]) -> StepTimes {
+/// Times of one step from the converged lightmaps `before` and `after` it, what was `shown` when it
+/// happened, and what was written since. The change of a texel is that of its channels' sum; done is
+/// what the shown value has changed since the step, so that a lasting error does not count as delay.
+pub fn step_times(
+    before: &[Vec3],
+    after: &[Vec3],
+    shown: &[Vec3],
+    writes: &[Written],
+) -> StepTimes {
     let change: Vec<f32> = before.iter().zip(after).map(|(b, a)| sum(*a) - sum(*b)).collect();
     let largest = change.iter().fold(0.0_f32, |m, c| m.max(c.abs()));
     let receivers: Vec<usize> = (0..change.len())
         .filter(|&i| largest > 0.0 && change[i].abs() >= RECEIVER_FLOOR * largest)
         .collect();
-    let progress = |write: &Written, i: usize| (sum(write.texels[i]) - sum(before[i])) / change[i];
+    let progress = |write: &Written, i: usize| (sum(write.texels[i]) - sum(shown[i])) / change[i];
     let since = |arrived: &dyn Fn(&Written) -> bool| {
         let last_late = writes.iter().rposition(|w| !arrived(w));
         let first = last_late.map_or(0, |i| i + 1);
