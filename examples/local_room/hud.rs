@@ -117,10 +117,15 @@ pub fn show(
         GiState::Failed { reason } => format!("failed: {reason}"),
         state => format!("{state:?}").to_lowercase(),
     };
+    let shown = match *view {
+        GiView::Full => "all light",
+        GiView::DirectOnly => "direct light only",
+        GiView::LightmapOnly => "lightmap alone",
+    };
     let frame = status.timings.frame.cpu_stats();
     for mut text in &mut texts {
         text.0 = format!(
-            "{view:?}, {state}\n{rate:.0} lighting updates a second, estimated error {:.0} %\n\
+            "{shown}, {state}\n{rate:.0} lighting updates a second, estimated error {:.0} %\n\
              lamp {speed:.2} m/s\n{} meshes lit, {} left out, our systems {:.2} ms a frame",
             status.quality.relative_error * 100.0,
             status.receivers,
