@@ -1,0 +1,7 @@
+//! Bytes to values and back.
+
+mod reader;
+mod writer;
+
+pub(crate) use reader::Reader;
+pub(crate) use writer::Writer;
