@@ -34,6 +34,9 @@ pub use farlight_core as core;
 /// Global illumination.
 #[cfg(feature = "gi")]
 pub use farlight_gi as gi;
+/// Global illumination solved on another machine.
+#[cfg(feature = "remote")]
+pub use farlight_remote as remote;
 
 /// All plugins whose features are on.
 ///
