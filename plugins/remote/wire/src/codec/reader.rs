@@ -108,6 +108,14 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Nothing may be left.
+    pub(crate) fn end(&self) -> Result<(), WireError> {
+        match self.rest.len() {
+            0 => Ok(()),
+            more => Err(self.invalid(format_args!("{more} bytes follow it"))),
+        }
+    }
+
     /// What is left.
     pub(crate) fn rest(&self) -> &'a [u8] {
         self.rest
