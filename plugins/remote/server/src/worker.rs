@@ -1,0 +1,171 @@
+//! Solves the light of one session.
+
+use std::{
+    any::Any,
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::{Arc, atomic::Ordering},
+    time::{Duration, Instant},
+};
+
+use farlight_gi_solver::session::{
+    LightingUpdate, Session, SessionChange, SessionSettings, SnapshotId,
+};
+
+use crate::{
+    bell::lock,
+    house::{House, Room, Task},
+    size::Measure,
+};
+
+/// What solves light: a solver [`Session`], or a stand-in.
+pub trait Solve: Send {
+    /// Takes changes over.
+    fn apply(&mut self, snapshot: SnapshotId, changes: Vec<SessionChange>);
+    /// One bounded piece of work.
+    fn step(&mut self) -> Option<LightingUpdate>;
+    /// Whether [`step`](Self::step) has nothing to do until something changes.
+    fn is_idle(&self) -> bool;
+}
+
+impl Solve for Session {
+    fn apply(&mut self, snapshot: SnapshotId, changes: Vec<SessionChange>) {
+        Self::apply(self, snapshot, changes);
+    }
+
+    fn step(&mut self) -> Option<LightingUpdate> {
+        Self::step(self)
+    }
+
+    fn is_idle(&self) -> bool {
+        Self::is_idle(self)
+    }
+}
+
+/// Makes what solves a session; called on the thread that will run it.
+pub type SolverFactory = Box<dyn Fn(SessionSettings) -> Box<dyn Solve> + Send + Sync>;
+
+/// Drives the solver of a session. A panic of the solver ends the session, not the server.
+pub(crate) struct Worker {
+    house: Arc<House>,
+    room: Arc<Room>,
+    /// Made at the first piece of work.
+    solver: Option<Box<dyn Solve>>,
+    measure: Measure,
+    /// Time of solving since the last update.
+    solving: Duration,
+    /// The newest snapshot that the solver has, and the newest that it has answered.
+    newest: SnapshotId,
+    answered: SnapshotId,
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.solver = None;
+        self.house.solvers.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+impl Worker {
+    pub(crate) fn new(house: Arc<House>, room: Arc<Room>) -> Self {
+        house.solvers.fetch_add(1, Ordering::Relaxed);
+        Self {
+            house,
+            room,
+            solver: None,
+            measure: Measure::default(),
+            solving: Duration::ZERO,
+            newest: SnapshotId::default(),
+            answered: SnapshotId::default(),
+        }
+    }
+
+    /// Works until the session is over, sleeping while there is nothing to do.
+    pub(crate) fn run(mut self, clock: impl Fn() -> Duration) {
+        let room = self.room.clone();
+        loop {
+            let mut task = room.task();
+            loop {
+                if task.stop || task.failed.is_some() {
+                    return;
+                }
+                if self.wants_to_work(&task) {
+                    break;
+                }
+                task = room.wait_task(task);
+            }
+            drop(task);
+            self.work(&clock);
+        }
+    }
+
+    /// Does a piece of work if there is one, and says whether there was.
+    pub(crate) fn tick(&mut self, clock: impl Fn() -> Duration) -> bool {
+        let room = self.room.clone();
+        let task = room.task();
+        if task.stop || task.failed.is_some() || !self.wants_to_work(&task) {
+            return false;
+        }
+        drop(task);
+        self.work(&clock);
+        true
+    }
+
+    /// While the client is away its last snapshot is still answered, then the solver rests.
+    fn wants_to_work(&self, task: &Task) -> bool {
+        let idle = self.solver.as_ref().is_none_or(|solver| solver.is_idle());
+        task.changed || (!idle && (task.attached || self.answered < self.newest))
+    }
+
+    fn work(&mut self, clock: &impl Fn() -> Duration) {
+        let outcome = catch_unwind(AssertUnwindSafe(|| self.work_here(clock)));
+        if let Err(panic) = outcome {
+            let why = message(&*panic).to_owned();
+            self.room.set_task(|task| task.failed = Some(why));
+            self.room.bell.ring();
+        }
+    }
+
+    fn work_here(&mut self, clock: &impl Fn() -> Duration) {
+        self.room.task().changed = false;
+        let start = Instant::now();
+        let make = || (self.house.solver)(self.room.settings.clone());
+        let solver = self.solver.get_or_insert_with(make);
+        let mut applied = false;
+        loop {
+            let next = lock(&self.room.wire).take_changes();
+            let Some((snapshot, changes)) = next else { break };
+            self.measure.follow(&changes);
+            self.newest = self.newest.max(snapshot);
+            solver.apply(snapshot, changes);
+            applied = true;
+        }
+        if applied {
+            let mut progress = lock(&self.room.progress);
+            progress.size = self.measure.size();
+            progress.converged = false;
+        }
+        let update = solver.step();
+        self.solving += start.elapsed();
+        let Some(update) = update else { return };
+        self.answered = update.snapshot;
+        let solve = std::mem::take(&mut self.solving);
+        lock(&self.room.wire).publish(clock(), &update, solve);
+        {
+            let mut progress = lock(&self.room.progress);
+            progress.snapshot = update.snapshot;
+            progress.updates += 1;
+            progress.converged = update.quality.converged;
+        }
+        self.house.counters.updates.fetch_add(1, Ordering::Relaxed);
+        self.room.bell.ring();
+    }
+}
+
+/// What a panic says.
+pub(crate) fn message(panic: &(dyn Any + Send)) -> &str {
+    panic
+        .downcast_ref::<&str>()
+        .copied()
+        .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
+        .unwrap_or("a panic without a message")
+}
