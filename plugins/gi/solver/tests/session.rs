@@ -8,7 +8,7 @@ use common::{Builder, set_light, settle, small, two_rooms};
 use farlight_gi_solver::{
     SceneChange,
     estimate::{GatherSettings, no_progress},
-    scene::{Sky, SkyImage},
+    scene::{InstanceId, Sky, SkyImage},
     session::{GridId, ProbeGrid, Session, SessionChange, SessionSettings, SnapshotId, reference},
 };
 use glam::{Affine3A, Quat, UVec3, Vec3};
@@ -275,5 +275,38 @@ fn probes_do_not_see_through_walls_and_those_inside_of_things_are_filled() {
                 }
             }
         }
+    }
+}
+
+/// Whoever drives a session sleeps while it is idle, so a scene in which nothing can be lit must
+/// become idle too, and its snapshots are answered.
+#[test]
+fn scenes_without_anything_to_light_become_idle() {
+    let light = || set_light(0, Vec3::ONE, Vec3::ONE);
+    let grid = ProbeGrid { transform: Affine3A::IDENTITY, resolution: UVec3::splat(2) };
+    let mut surfaces = Builder::default();
+    surfaces.room(Vec3::ZERO, Vec3::ONE, [Vec3::ONE; 6], Vec3::ZERO);
+    surfaces.changes.retain(|c| !matches!(c, SessionChange::AddReceiver(_)));
+    surfaces.changes.push(light());
+    let scenes = [
+        vec![],
+        vec![light()],
+        vec![SessionChange::SetGrid(GridId(1), grid)],
+        vec![SessionChange::SetGrid(GridId(1), grid), light()],
+        vec![SessionChange::AddReceiver(InstanceId(7)), light()],
+        surfaces.changes,
+    ];
+    for (i, changes) in scenes.into_iter().enumerate() {
+        let mut session = Session::new(small());
+        let empty = changes.is_empty();
+        session.apply(SnapshotId(1), changes);
+        let mut steps = 0;
+        let mut answered = empty;
+        while !session.is_idle() {
+            answered |= session.step().is_some_and(|update| update.snapshot == SnapshotId(1));
+            steps += 1;
+            assert!(steps < 10_000, "scene {i} never becomes idle");
+        }
+        assert!(answered, "scene {i} is not answered");
     }
 }

@@ -184,7 +184,11 @@ impl Session {
                 self.dirty.geometry = true;
             }
         }
-        let lighting = self.lighting.as_mut()?;
+        let Some(lighting) = &mut self.lighting else {
+            // No surface and no probe has come yet; when one does, light is read anew.
+            self.dirty.light = false;
+            return self.tell_converged();
+        };
         let solve = lighting.is_solving()
             || (self.dirty.light && lighting.is_ready() && (self.grown || !self.growth_due));
         if solve {
@@ -214,6 +218,11 @@ impl Session {
             }
             return None;
         }
+        if !lighting.is_ready() {
+            // Nothing in this scene can be lit.
+            self.dirty.light = false;
+            return self.tell_converged();
+        }
         if !lighting.settled {
             lighting.polish();
             return None;
@@ -230,7 +239,10 @@ impl Session {
     pub fn is_idle(&self) -> bool {
         let Dirty { geometry, materials, light } = self.dirty;
         !(geometry || materials || light)
-            && self.lighting.as_ref().is_none_or(|l| self.grown && l.settled && !l.is_solving())
+            && self
+                .lighting
+                .as_ref()
+                .is_none_or(|l| self.grown && (l.settled || !l.is_ready()) && !l.is_solving())
             && self.told_converged
     }
 
