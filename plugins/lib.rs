@@ -73,7 +73,7 @@ pub mod prelude {
     #[cfg(feature = "gi")]
     pub use farlight_gi::{
         GiControl, GiDynamic, GiLightmaps, GiPlugin, GiProbeVolume, GiScene, GiSettings, GiState,
-        GiStatus, GiUpdated, GiView,
+        GiStatus, GiUpdated, GiView, LinkState, LinkStatus,
     };
 }
 

@@ -115,6 +115,7 @@ pub fn show(
     let speed = lamps.iter().map(|l| if l.paused { 0.0 } else { l.speed }).fold(0.0, f32::max);
     let state = match &status.state {
         GiState::Failed { reason } => format!("failed: {reason}"),
+        GiState::Disconnected { reason } => format!("disconnected: {reason}"),
         state => format!("{state:?}").to_lowercase(),
     };
     let shown = match *view {

@@ -9,7 +9,7 @@ use bevy::{
 };
 use farlight::{
     gi::{
-        BackendState, ExtractedScene,
+        BackendState, ExtractedScene, LinkStatus,
         solver::{
             SceneChange,
             scene::{AlphaMode as SolverAlpha, InstanceId, LightId, LightKind, Sky},
@@ -366,6 +366,25 @@ fn a_failed_backend_is_a_state_and_nothing_else_stops() {
     let status = flat.world().resource::<GiStatus>();
     let GiState::Failed { reason } = &status.state else { panic!("{:?}", status.state) };
     assert_eq!(&**reason, "the server is gone");
+}
+
+#[test]
+fn a_lost_connection_is_a_state_and_the_link_is_shown() {
+    let mut flat = Flat::new();
+    assert!(flat.world().resource::<GiStatus>().link.is_none());
+    let link = LinkStatus { peer: "server:4433".into(), sent_bytes: 7, ..default() };
+    {
+        let mut mock = flat.mock.lock();
+        mock.state = BackendState::Disconnected { reason: "the line is cut".into() };
+        mock.link = Some(link.clone());
+    }
+    flat.app.update();
+    let status = flat.world().resource::<GiStatus>();
+    assert_eq!(status.state, GiState::Disconnected { reason: "the line is cut".into() });
+    assert_eq!(status.link.as_ref(), Some(&link));
+    flat.mock.lock().state = BackendState::Idle;
+    flat.app.update();
+    assert_eq!(flat.world().resource::<GiStatus>().state, GiState::Idle);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::{
 
 use bevy::prelude::*;
 use farlight::gi::{
-    BackendState, GiPlugin, GiUpdate, LightingBackend,
+    BackendState, GiPlugin, GiUpdate, LightingBackend, LinkStatus,
     solver::{
         SceneChange,
         atlas::{PageId, TexelRect},
@@ -33,6 +33,8 @@ pub(crate) struct State {
     pub(crate) state: BackendState,
     /// Whether to claim once that the scene is lost.
     pub(crate) lost: bool,
+    /// What it says of its connection.
+    pub(crate) link: Option<LinkStatus>,
     /// How many backends were made.
     pub(crate) made: usize,
 }
@@ -110,6 +112,10 @@ impl LightingBackend for Backend {
 
     fn state(&self) -> BackendState {
         self.0.lock().state.clone()
+    }
+
+    fn link(&self) -> Option<LinkStatus> {
+        self.0.lock().link.clone()
     }
 
     fn lost_scene(&mut self) -> bool {

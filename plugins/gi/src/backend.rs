@@ -1,6 +1,6 @@
 //! The seam between Bevy and whatever solves the lighting.
 
-use std::{sync::Arc, time::Duration};
+use std::{any::Any, sync::Arc, time::Duration};
 
 use bevy::prelude::*;
 use farlight_gi_solver::{
@@ -8,15 +8,16 @@ use farlight_gi_solver::{
     session::{
         GridId, GridUpdate, LightingUpdate, Placement, Quality, SessionChange, SnapshotId, Tile,
     },
+    sh::ShRgb,
 };
 use half::f16;
 
-use crate::GiSettings;
+use crate::{GiSettings, LinkStatus};
 
 /// What solves the lighting: a background thread, a GPU, another machine.
 ///
 /// The plugin calls it from the main thread once a frame. No method may wait for anything.
-pub trait LightingBackend: Send + Sync + 'static {
+pub trait LightingBackend: Any + Send + Sync {
     /// Takes changes of the scene over, in their order. `snapshot` names the state after them.
     fn submit(&mut self, snapshot: SnapshotId, changes: Vec<SessionChange>);
 
@@ -31,6 +32,16 @@ pub trait LightingBackend: Send + Sync + 'static {
     fn lost_scene(&mut self) -> bool {
         false
     }
+
+    /// Asks for all light again, as updates that will come: textures were lost. The plugin writes
+    /// what it remembers, so a backend in the same process need not do anything.
+    fn resync(&mut self) {}
+
+    /// How it is connected, if it is on another machine. Asked once a frame: it should not take
+    /// memory where nothing changed.
+    fn link(&self) -> Option<LinkStatus> {
+        None
+    }
 }
 
 /// How a backend is doing.
@@ -43,6 +54,11 @@ pub enum BackendState {
     Solving,
     /// The scene is still and nothing better will come.
     Converged,
+    /// It can't be reached, for this reason, and goes on trying. What was solved stays on screen.
+    Disconnected {
+        /// Why.
+        reason: Arc<str>,
+    },
     /// It has given up. What was solved stays on screen.
     Failed(Arc<str>),
 }
@@ -50,9 +66,26 @@ pub enum BackendState {
 /// Makes a backend; called at the start and whenever the settings ask for a new solver.
 pub type BackendFactory = Arc<dyn Fn(&GiSettings) -> Box<dyn LightingBackend> + Send + Sync>;
 
-/// The backend in use.
+/// The backend in use; there is none before the first frame. For plugins that bring a backend of
+/// their own and have more to tell it than the seam can.
 #[derive(Resource)]
-pub(crate) struct Backend(pub(crate) Box<dyn LightingBackend>);
+pub struct GiBackend(pub(crate) Box<dyn LightingBackend>);
+
+impl GiBackend {
+    /// The backend, if it is a `T`.
+    #[must_use]
+    pub fn downcast_ref<T: LightingBackend>(&self) -> Option<&T> {
+        let any: &dyn Any = &*self.0;
+        any.downcast_ref()
+    }
+
+    /// The backend, if it is a `T`.
+    #[must_use]
+    pub fn downcast_mut<T: LightingBackend>(&mut self) -> Option<&mut T> {
+        let any: &mut dyn Any = &mut *self.0;
+        any.downcast_mut()
+    }
+}
 
 /// A [`LightingUpdate`] in the formats of the textures, so that the main thread only copies.
 /// Backends encode on their own threads, with [`GiUpdate::encode`].
@@ -70,11 +103,24 @@ pub struct GiUpdate {
     pub grids: Vec<EncodedGrid>,
     /// How good it is.
     pub quality: Quality,
-    /// Time spent solving since the last update.
+    /// Where the time went.
+    pub times: UpdateTimes,
+}
+
+/// Where an update's time went, from the submission of its snapshot to the moment at which it could
+/// be polled. Stages that a backend does not have are zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UpdateTimes {
+    /// From the submission until the network had taken the changes over.
+    pub send: Duration,
+    /// Solving since the last update.
     pub solve: Duration,
-    /// Time between the end of solving and the moment at which the update could be polled:
-    /// encoding here, decoding and the network in other backends.
+    /// From the solver's numbers to what travels, or to what the textures hold.
+    pub encode: Duration,
+    /// On the network, there and back.
     pub transfer: Duration,
+    /// From what travelled to what the textures hold.
+    pub decode: Duration,
 }
 
 /// A rectangle of lightmap texels as RGBA half floats.
@@ -113,13 +159,27 @@ impl GiUpdate {
             tiles: update.tiles.iter().map(EncodedTile::encode).collect(),
             grids: update.grids.iter().map(EncodedGrid::encode).collect(),
             quality: update.quality,
-            solve: Duration::ZERO,
-            transfer: Duration::ZERO,
+            times: UpdateTimes::default(),
         }
     }
 }
 
 impl EncodedTile {
+    /// A tile of texels that are half floats already: `rect.width * rect.height` values E / π as bits,
+    /// finite and not negative.
+    #[must_use]
+    pub fn from_half_bits(page: PageId, rect: TexelRect, halves: &[[u16; 3]]) -> Self {
+        let one = f16::ONE.to_bits().to_le_bytes();
+        let mut texels = vec![0; halves.len() * 8];
+        for (bytes, texel) in texels.chunks_exact_mut(8).zip(halves) {
+            for (channel, bits) in bytes.chunks_exact_mut(2).zip(texel) {
+                channel.copy_from_slice(&bits.to_le_bytes());
+            }
+            bytes[6..].copy_from_slice(&one);
+        }
+        Self { page, rect, texels }
+    }
+
     /// Encodes a tile. Values that aren't finite become black, negative ones too.
     #[must_use]
     pub fn encode(tile: &Tile) -> Self {
@@ -135,9 +195,16 @@ impl EncodedGrid {
     /// Encodes a grid.
     #[must_use]
     pub fn encode(grid: &GridUpdate) -> Self {
-        let [nx, ny, nz] = grid.resolution.to_array().map(|n| n as usize);
-        let cubes: Vec<[Vec3; 6]> = grid.probes.iter().map(|sh| sh.ambient_cube()).collect();
-        let mut texels = Vec::with_capacity(cubes.len() * 6 * 8);
+        Self::from_probes(grid.grid, grid.resolution, &grid.probes)
+    }
+
+    /// Encodes all probes of a grid, x fastest, then y, then z: incident radiance in SH. Missing
+    /// ones are black.
+    #[must_use]
+    pub fn from_probes(grid: GridId, resolution: UVec3, probes: &[ShRgb]) -> Self {
+        let [nx, ny, nz] = resolution.to_array().map(|n| n as usize);
+        let cubes: Vec<[Vec3; 6]> = probes.iter().map(|sh| sh.ambient_cube()).collect();
+        let mut texels = Vec::with_capacity(nx * ny * nz * 6 * 8);
         for axis in 0..3 {
             for z in 0..nz {
                 for side in 0..2 {
@@ -151,7 +218,7 @@ impl EncodedGrid {
                 }
             }
         }
-        Self { grid: grid.grid, resolution: grid.resolution, texels }
+        Self { grid, resolution, texels }
     }
 }
 
@@ -171,9 +238,19 @@ pub(crate) fn decode_texel(bytes: &[u8]) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
-    use farlight_gi_solver::sh::ShRgb;
-
     use super::*;
+
+    #[test]
+    fn bits_are_taken_as_they_are() {
+        let rect = TexelRect { x: 2, y: 4, width: 2, height: 1 };
+        let values = vec![Vec3::new(1.0, 0.5, 1e-4), Vec3::new(65504.0, 0.0, 3.0)];
+        let bits: Vec<_> =
+            values.iter().map(|v| v.to_array().map(|c| f16::from_f32(c).to_bits())).collect();
+        let direct = EncodedTile::from_half_bits(PageId(1), rect, &bits);
+        let encoded = EncodedTile::encode(&Tile { page: PageId(1), rect, texels: values });
+        assert_eq!(direct.texels, encoded.texels);
+        assert_eq!((direct.page, direct.rect), (encoded.page, encoded.rect));
+    }
 
     #[test]
     fn texels_become_halves_and_bad_ones_black() {

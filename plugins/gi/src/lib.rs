@@ -41,6 +41,7 @@ mod components;
 mod control;
 mod extract;
 mod lightmaps;
+mod link;
 mod plugin;
 mod receive;
 mod settings;
@@ -53,12 +54,14 @@ mod view;
 mod volumes;
 
 pub use backend::{
-    BackendFactory, BackendState, EncodedGrid, EncodedTile, GiUpdate, LightingBackend,
+    BackendFactory, BackendState, EncodedGrid, EncodedTile, GiBackend, GiUpdate, LightingBackend,
+    UpdateTimes,
 };
 pub use components::{GiDynamic, GiProbeVolume, GiScene, GiStatic};
 pub use control::{GiControl, GiView};
 pub use extract::ExtractedScene;
 pub use lightmaps::GiLightmaps;
+pub use link::{LinkState, LinkStatus};
 pub use plugin::{GiPlugin, GiSystems};
 pub use settings::GiSettings;
 pub use status::{GiState, GiStatus, GiTimings, GiUpdated, StageTimes};

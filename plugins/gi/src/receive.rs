@@ -9,7 +9,7 @@ use farlight_gi_solver::session::{Quality, SnapshotId};
 use crate::{
     BackendState, GiControl, GiLightmaps, GiProbeVolume, GiSettings, GiState, GiStatus, GiUpdate,
     GiUpdated, GiView,
-    backend::{Backend, BackendFactory},
+    backend::{BackendFactory, GiBackend},
     extract::Extractor,
     status::{GiMeter, Remarks, Stage},
     volumes::{Volumes, show_volumes},
@@ -45,7 +45,7 @@ pub(crate) fn start_backend(
     lightmaps.clear(&mut commands, &mut materials, &uploads);
     lightmaps.configure(settings.page_size, settings.max_pages);
     extractor.resend();
-    commands.insert_resource(Backend((factory.0)(&settings)));
+    commands.insert_resource(GiBackend((factory.0)(&settings)));
     *in_use = Some(settings.clone());
 }
 
@@ -64,7 +64,7 @@ struct Sent {
 /// Takes updates over and tells what was written.
 pub(crate) fn receive(
     mut commands: Commands,
-    backend: Option<ResMut<Backend>>,
+    mut backend: Option<ResMut<GiBackend>>,
     (mut lightmaps, mut volumes): (ResMut<GiLightmaps>, ResMut<Volumes>),
     mut extractor: ResMut<Extractor>,
     mut remarks: ResMut<Remarks>,
@@ -93,12 +93,15 @@ pub(crate) fn receive(
     if progress.device > 1 && progress.device != *device {
         lightmaps.write_all(&uploads);
         volumes.write_all(&uploads);
+        if let Some(backend) = &mut backend {
+            backend.0.resync();
+        }
     }
     *device = progress.device;
     status.uploaded_bytes = progress.written_bytes;
 
     let mut overflow = false;
-    if let Some(mut backend) = backend {
+    if let Some(backend) = &mut backend {
         while let Some(update) = backend.0.poll() {
             let sent = take(
                 update,
@@ -116,6 +119,10 @@ pub(crate) fn receive(
             on_the_way.0.push_back(sent.0);
         }
         set_state(&mut status, backend.0.state());
+        let link = backend.0.link();
+        if status.link != link {
+            status.link = link;
+        }
     }
     if overflow {
         // More arrives than the GPU takes: what waits is forgotten, the pages hold it all.
@@ -150,8 +157,7 @@ fn take(
     uploads: &TextureUploads,
 ) -> (Sent, bool) {
     status.updates += 1;
-    status.timings.solve.push(update.solve);
-    status.timings.transfer.push(update.transfer);
+    status.timings.push(&update.times);
     let mut tickets: Option<(Ticket, Ticket)> = None;
     let mut overflow = false;
     let mut written = |result| match result {
@@ -190,6 +196,7 @@ fn take(
 fn set_state(status: &mut GiStatus, state: BackendState) {
     let state = match state {
         BackendState::Failed(reason) => GiState::Failed { reason },
+        BackendState::Disconnected { reason } => GiState::Disconnected { reason },
         _ if status.converting > 0 => GiState::Solving,
         BackendState::Idle => GiState::Idle,
         BackendState::Solving => GiState::Solving,

@@ -6,6 +6,8 @@ use bevy::{ecs::entity::EntityHashMap, platform::time::Instant, prelude::*};
 use farlight_core::{CostMeter, LeftOut, Measured, TextureUploads, TimeStats, TimeWindow};
 use farlight_gi_solver::session::{Quality, SnapshotId};
 
+use crate::{LinkStatus, UpdateTimes};
+
 /// What the plugin is doing.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum GiState {
@@ -16,6 +18,11 @@ pub enum GiState {
     Solving,
     /// The scene is still and what is shown is as good as it gets.
     Converged,
+    /// What solves lighting can't be reached; it is tried again. What was solved stays on screen.
+    Disconnected {
+        /// Why.
+        reason: Arc<str>,
+    },
     /// Lighting is no longer solved. What was solved stays on screen.
     Failed {
         /// Why.
@@ -44,6 +51,8 @@ pub struct GiStatus {
     pub converting: usize,
     /// Entities that don't take part as asked, and why; in the order of their entities.
     pub left_out: Vec<LeftOut>,
+    /// The connection to the machine that solves, if it is another.
+    pub link: Option<LinkStatus>,
     /// Where time goes.
     pub timings: GiTimings,
 }
@@ -59,10 +68,17 @@ pub struct GiTimings {
     pub upload: StageTimes,
     /// All of our systems a frame.
     pub frame: StageTimes,
+    /// From the submission of the update's snapshot until the network had taken it over; zero
+    /// where no network is involved.
+    pub send: TimeWindow,
     /// Solving, an update.
     pub solve: TimeWindow,
-    /// From solved to polled, an update: encoding, and whatever lies between.
+    /// Encoding an update, for the network or (where none is involved) for the textures.
+    pub encode: TimeWindow,
+    /// On the network, there and back, an update; zero where none is involved.
     pub transfer: TimeWindow,
+    /// Decoding an update that came over the network.
+    pub decode: TimeWindow,
     /// From the frame that submitted a snapshot to the write of the first texels that show it.
     pub latency: TimeWindow,
 }
@@ -96,6 +112,15 @@ impl StageTimes {
 }
 
 impl GiTimings {
+    pub(crate) fn push(&mut self, times: &UpdateTimes) {
+        let UpdateTimes { send, solve, encode, transfer, decode } = *times;
+        self.send.push(send);
+        self.solve.push(solve);
+        self.encode.push(encode);
+        self.transfer.push(transfer);
+        self.decode.push(decode);
+    }
+
     /// Forgets the past, for example when loading is over.
     pub fn clear(&mut self) {
         *self = Self::default();

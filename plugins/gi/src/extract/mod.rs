@@ -32,7 +32,7 @@ use farlight_gi_solver::{
 
 use crate::{
     GiStatus,
-    backend::Backend,
+    backend::GiBackend,
     status::{GiMeter, Remarks, Stage, SubmitTimes},
 };
 
@@ -205,7 +205,7 @@ fn grid_id(entity: Entity) -> GridId {
 pub(crate) fn submit(
     mut extractor: ResMut<Extractor>,
     mut extracted: ResMut<ExtractedScene>,
-    backend: Option<ResMut<Backend>>,
+    backend: Option<ResMut<GiBackend>>,
     mut status: ResMut<GiStatus>,
     mut remarks: ResMut<Remarks>,
     meter: Res<GiMeter>,
