@@ -32,6 +32,7 @@ mod lighting;
 mod limits;
 mod link;
 mod server;
+pub mod simulated;
 mod view;
 
 pub use blob::{Blob, BlobHash};
