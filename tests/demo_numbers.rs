@@ -2,22 +2,26 @@
 
 #![allow(dead_code, unreachable_pub, reason = "modules of the example, used in part")]
 
-#[path = "../examples/local_room/args.rs"]
+#[path = "../examples/common/room/args.rs"]
 mod args;
-#[path = "../examples/local_room/motion.rs"]
+#[path = "../examples/common/room/motion.rs"]
 mod motion;
-#[path = "../examples/local_room/stats.rs"]
+#[path = "../examples/common/room/measured/stats.rs"]
 mod stats;
 
 use std::time::Duration;
 
-use args::{Args, Mode};
+use args::{Args, Mode, Server};
 use bevy::math::Vec3;
 use motion::ClosedPath;
 use stats::{Written, quantile, relative_errors, step_times};
 
 fn parse(line: &str) -> Result<Args, String> {
-    Args::parse(line.split_whitespace().map(String::from))
+    Args::parse(line.split_whitespace().map(String::from), false)
+}
+
+fn parse_remote(line: &str) -> Result<Args, String> {
+    Args::parse(line.split_whitespace().map(String::from), true)
 }
 
 #[test]
@@ -44,6 +48,28 @@ fn command_lines_are_read_or_refused_with_a_reason() {
         let message = parse(line).unwrap_err();
         assert!(message.contains(word), "{line}: {message}");
     }
+}
+
+#[test]
+fn a_server_is_named_once_and_only_where_there_is_one() {
+    let args = parse_remote("--server farlight://a:1/#b --size 160x90").unwrap();
+    assert_eq!(args.server, Some(Server::Invitation("farlight://a:1/#b".into())));
+    assert_eq!((args.mode, args.size), (Mode::Window, (160, 90)));
+    let args = parse_remote("--headless --server-file invite --out d").unwrap();
+    assert_eq!(args.server, Some(Server::File("invite".into())));
+    assert_eq!(parse_remote("--help").unwrap().mode, Mode::Help);
+    for (line, word) in [
+        ("", "farlight serve"),
+        ("--headless --out d", "--server INVITE"),
+        ("--server", "needs a value"),
+        ("--server a --server-file b", "one server"),
+    ] {
+        let message = parse_remote(line).unwrap_err();
+        assert!(message.contains(word), "{line}: {message}");
+    }
+    assert!(parse("--server a").unwrap_err().contains("unknown argument --server"));
+    let texts = [args::help("local_room", "", false), args::help("remote_room", "", true)];
+    assert!(!texts[0].contains("--server") && texts[1].contains("--server-file"));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use farlight::prelude::*;
 
-use crate::{
+use super::{
     motion::Traveller,
     scene::{Ball, Lamp},
 };

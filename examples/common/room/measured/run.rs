@@ -6,14 +6,17 @@ use std::{
 };
 
 use bevy::{math::Vec3, prelude::*};
-use farlight::{gi::GiUpdate, prelude::*};
+use farlight::{
+    gi::{BackendFactory, GiUpdate},
+    prelude::*,
+};
 use farlight_gi_solver::{
     atlas::{PageId, TexelRect},
     estimate::GatherSettings,
     session::{LightingUpdate, Quality, Tile},
 };
 
-use crate::{
+use super::{
     args::Args,
     assets, build,
     compare::compare,
@@ -36,9 +39,14 @@ const REST: Duration = Duration::from_secs(3);
 const DILATION: usize = 2;
 
 /// Does it all.
-pub fn run(args: &Args, out: &Path, frames: Option<u32>) -> Result<(), String> {
+pub fn run(
+    args: &Args,
+    light: BackendFactory,
+    out: &Path,
+    frames: Option<u32>,
+) -> Result<(), String> {
     let pace = Duration::from_secs_f32(1.0 / FRAMES_PER_SECOND);
-    let mut live = start(args, pace)?;
+    let mut live = start(args, light, pace)?;
     let first_light = first_light(&mut live)?;
     live.run(REST.min(pace * frames.unwrap_or(u32::MAX)))?;
     live.frame_ms.clear();
@@ -86,12 +94,18 @@ pub fn run(args: &Args, out: &Path, frames: Option<u32>) -> Result<(), String> {
     Ok(())
 }
 
-/// The app, with a recorder between plugin and solver.
-pub fn start(args: &Args, pace: Duration) -> Result<Live, String> {
+/// The app, with a recorder between plugin and backend.
+pub fn start(args: &Args, light: BackendFactory, pace: Duration) -> Result<Live, String> {
     let log = Log::default();
-    let headless =
-        Headless::new(args.size.into(), &assets(), |app| build(app, args, Some(log.clone())))?;
-    Ok(Live::new(headless, log, pace))
+    let headless = Headless::new(args.size.into(), &assets(), |app| {
+        let (log, edge) = (log.clone(), args.lightmap);
+        build(app, args, move |settings| Box::new(log.record(light(settings), edge)));
+    })?;
+    let mut live = Live::new(headless, log, pace);
+    live.frame()?;
+    // Only the pictures are smooth: a renderer on the CPU leaves some of it to the solver.
+    live.smooth_edges(false)?;
+    Ok(live)
 }
 
 /// Waits until the scene is loaded and its first light is shown; the time in between.
@@ -126,6 +140,7 @@ pub fn first_light(live: &mut Live) -> Result<Duration, String> {
 /// Lets the lighting come to rest and takes the pictures; what they show.
 fn pictures(live: &mut Live, out: &Path, rest: Duration) -> Result<Moment, String> {
     eprintln!("pictures");
+    live.smooth_edges(true)?;
     live.lamp(|mut lamp| {
         lamp.paused = true;
         lamp.distance = scene::PICTURE_LAMP * lamp.path.length();

@@ -2,19 +2,40 @@
 
 use std::{path::PathBuf, time::Duration};
 
-/// What `--help` prints.
-pub const HELP: &str = "\
+/// What `--help` prints, for the example `name`; `about` says in a few lines who solves the light.
+pub fn help(name: &str, about: &str, takes_server: bool) -> String {
+    let (usage, options) = if takes_server { (" SERVER", SERVER_HELP) } else { ("", "") };
+    let blank = " ".repeat(36_usize.saturating_sub(name.len() + usage.len()));
+    format!(
+        "\
 A bright room, a dark room and a doorway between them, lit indirectly while the light moves.
 
-Direct light is Bevy's own. Indirect light is solved in a background thread and streamed into a
-lightmap (the rooms) and probes (the moving sphere).
+{about}
 
 USAGE
-    local_room                           in a window; the keys are on screen
-    local_room --headless --out DIR      without a window: measures, writes pictures and a report
-    local_room --soak SECONDS            without a window: watches memory, prints JSON lines
+    {name}{usage} {blank}in a window; the keys are on screen
+    {name}{usage} --headless --out DIR
+                                         without a window: measures, writes pictures and a report
+    {name}{usage} --soak SECONDS
+                                         without a window: watches memory, prints JSON lines
 
 OPTIONS
+{options}{OPTIONS}
+EXAMPLES
+    {name}{usage} --headless --out pictures
+    {name}{usage} --headless --out pictures --frames 60 --size 160x90 --samples 64
+    {name}{usage} --soak 600
+"
+    )
+}
+
+const SERVER_HELP: &str = "\
+    --server INVITE   the server, as `farlight serve` prints it: farlight://HOST:PORT/#TOKEN.SHA256
+    --server-file F   the same, read from a file; waits up to 10 s for the file
+                      (SERVER in the lines above and below is one of these two)
+";
+
+const OPTIONS: &str = "\
     --headless        no window. Writes into DIR:
                         direct-only.png   what Bevy shows without this project
                         indirect.png      the same instant with live indirect light
@@ -34,17 +55,12 @@ OPTIONS
 
 EXIT STATUS
     0 done; 1 no lighting arrived, a picture is black, or memory grew; 2 the command line is wrong
-
-EXAMPLES
-    local_room --headless --out pictures
-    local_room --headless --out pictures --frames 60 --size 160x90 --samples 64
-    local_room --soak 600
 ";
 
 /// What the program is asked to do.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mode {
-    /// Print [`HELP`].
+    /// Print [`help`].
     Help,
     /// Show it.
     Window,
@@ -57,6 +73,15 @@ pub enum Mode {
     },
     /// Watch memory.
     Soak(Duration),
+}
+
+/// Where the invitation of a lighting server is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Server {
+    /// The invitation itself.
+    Invitation(String),
+    /// A file that holds it.
+    File(PathBuf),
 }
 
 /// The parsed command line.
@@ -72,13 +97,24 @@ pub struct Args {
     pub samples: u32,
     /// Seed of all random numbers.
     pub seed: u64,
+    /// Who solves the light, for examples that ask a server.
+    pub server: Option<Server>,
 }
 
 impl Args {
-    /// Reads the arguments, the program's name left out.
-    pub fn parse(arguments: impl IntoIterator<Item = String>) -> Result<Self, String> {
-        let mut args =
-            Self { mode: Mode::Window, size: (320, 180), lightmap: 128, samples: 2048, seed: 1 };
+    /// Reads the arguments, the program's name left out. With `takes_server` a server must be named.
+    pub fn parse(
+        arguments: impl IntoIterator<Item = String>,
+        takes_server: bool,
+    ) -> Result<Self, String> {
+        let mut args = Self {
+            mode: Mode::Window,
+            size: (320, 180),
+            lightmap: 128,
+            samples: 2048,
+            seed: 1,
+            server: None,
+        };
         let (mut headless, mut out, mut frames, mut soak) = (false, None, None, None);
         let mut arguments = arguments.into_iter();
         while let Some(name) = arguments.next() {
@@ -97,6 +133,13 @@ impl Args {
                 }
                 "--samples" => args.samples = number(&name, &value()?, 1, 65536)? as u32,
                 "--seed" => args.seed = number(&name, &value()?, 0, u64::MAX)?,
+                "--server" | "--server-file" if takes_server && args.server.is_some() => {
+                    return Err("name one server: --server or --server-file".into());
+                }
+                "--server" if takes_server => args.server = Some(Server::Invitation(value()?)),
+                "--server-file" if takes_server => {
+                    args.server = Some(Server::File(PathBuf::from(value()?)));
+                }
                 "--soak" => soak = Some(number(&name, &value()?, 1, 1_000_000)?),
                 _ => return Err(format!("unknown argument {name}; --help lists them")),
             }
@@ -109,6 +152,11 @@ impl Args {
             (false, Some(_), None) => return Err("--out needs --headless".into()),
             (false, None, None) => Mode::Window,
         };
+        if takes_server && args.server.is_none() {
+            return Err("name a server: --server INVITE or --server-file FILE; \
+                        `farlight serve` starts one and prints its invitation"
+                .into());
+        }
         Ok(args)
     }
 }

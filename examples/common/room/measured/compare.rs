@@ -5,7 +5,7 @@ use std::time::Instant;
 use bevy::math::Vec3;
 use farlight_gi_solver::{Scene, estimate::GatherSettings, scene::Light};
 
-use crate::{
+use super::{
     args::Args,
     live::Moment,
     measure::{Seen, Step},

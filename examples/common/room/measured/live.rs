@@ -9,7 +9,7 @@ use bevy::{
 use farlight::prelude::*;
 use farlight_gi_solver::{Scene, session::SnapshotId};
 
-use crate::{
+use super::{
     headless::Headless,
     motion::Traveller,
     record::Log,
@@ -120,6 +120,17 @@ impl Live {
         let world = self.headless.app.world_mut();
         let mut balls = world.query_filtered::<&mut Traveller, With<Ball>>();
         balls.iter_mut(world).for_each(change);
+    }
+
+    /// Switches the camera's multisampling on or off.
+    pub fn smooth_edges(&mut self, on: bool) -> Result<(), String> {
+        let world = self.headless.app.world_mut();
+        let mut cameras = world.query_filtered::<&mut Msaa, With<Camera3d>>();
+        let msaa = if on { Msaa::Sample4 } else { Msaa::Off };
+        for mut camera in cameras.iter_mut(world) {
+            *camera = msaa;
+        }
+        self.frame()
     }
 
     /// How the plugin is doing.

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use farlight::core::TimeStats;
 
-use crate::stats::{Spread, StepTimes, quantile};
+use super::stats::{Spread, StepTimes, quantile};
 
 /// How the numbers are meant; written into the report.
 const DEFINITIONS: &[(&str, &str)] = &[

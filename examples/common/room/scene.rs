@@ -11,7 +11,7 @@ use bevy::{
 };
 use farlight::prelude::*;
 
-use crate::{
+use super::{
     motion::{ClosedPath, Traveller},
     orbit::Orbit,
 };
@@ -28,9 +28,9 @@ pub const BALL_SPEED: f32 = 0.6;
 pub const BALL_RADIUS: f32 = 0.16;
 
 /// Where the lamp is in the pictures, as a fraction of its round.
-pub const PICTURE_LAMP: f32 = 0.1;
+pub const PICTURE_LAMP: f32 = 0.95;
 /// Where the ball is in the pictures.
-pub const PICTURE_BALL: f32 = 0.4;
+pub const PICTURE_BALL: f32 = 0.46;
 /// Corners of the box of probes.
 const PROBES: [Vec3; 2] = [Vec3::new(-5.0, 0.1, -2.4), Vec3::new(5.0, 2.9, 2.4)];
 
@@ -113,13 +113,16 @@ pub fn spawn(
         Transform::from_translation(PROBES[0].midpoint(PROBES[1]))
             .with_scale(PROBES[1] - PROBES[0]),
     ));
-    let orbit = Orbit { target: Vec3::new(0.2, 1.25, 0.0), distance: 7.2, yaw: 0.35, pitch: 0.12 };
+    // At eye height in the dark room's far corner: what is not in the lamp's beam is lit indirectly,
+    // and the bright room is seen through the doorway.
+    let orbit = Orbit { target: Vec3::new(0.8, 1.1, 0.95), distance: 4.1, yaw: 2.06, pitch: 0.12 };
     commands.spawn((
         Camera3d::default(),
+        Projection::Perspective(PerspectiveProjection { fov: 56.0_f32.to_radians(), ..default() }),
         orbit.transform(),
         orbit,
-        Exposure { ev100: 2.0 },
+        Exposure { ev100: 0.6 },
         Tonemapping::TonyMcMapface,
-        Msaa::Off,
+        Msaa::Sample4,
     ));
 }

@@ -6,9 +6,10 @@ use std::{
     time::{Duration, Instant},
 };
 
+use farlight::gi::BackendFactory;
 use serde::Serialize;
 
-use crate::{args::Args, run};
+use super::{args::Args, run};
 
 /// The system's allocator, counted.
 pub struct Counting;
@@ -99,9 +100,9 @@ struct Line {
 }
 
 /// Runs with a moving lamp and ball and prints JSON lines; an error if memory grew.
-pub fn soak(args: &Args, time: Duration) -> Result<(), String> {
+pub fn soak(args: &Args, light: BackendFactory, time: Duration) -> Result<(), String> {
     let pace = Duration::from_millis(50);
-    let mut live = run::start(args, pace)?;
+    let mut live = run::start(args, light, pace)?;
     run::first_light(&mut live)?;
     let start = Instant::now();
     let every = (time / LINES).max(SHORTEST);

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use farlight_gi_solver::{Scene, session::SnapshotId};
 
-use crate::live::{Live, Moment, Write};
+use super::live::{Live, Moment, Write};
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]

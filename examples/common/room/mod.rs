@@ -1,0 +1,119 @@
+//! The room of the demos: a bright room, a dark room and a doorway between them. The lamp in the
+//! bright room moves, and the dark room follows. Where the indirect light is solved is up to the
+//! example; the room only knows a [`BackendFactory`].
+//!
+//! What is drawn and how it moves is in `scene`, `motion`, `orbit` and `hud`; it knows nothing of a
+//! solver. `measured` holds the runs without a window: it looks at what the backend is told and
+//! answers, and computes references with the solver's path tracer after the live part is over.
+
+#![allow(unreachable_pub, reason = "the modules read like a library's")]
+
+pub mod args;
+mod hud;
+mod measured;
+mod motion;
+mod orbit;
+mod scene;
+
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+use args::{Args, Mode};
+use bevy::prelude::*;
+use farlight::{
+    gi::{BackendFactory, LightingBackend},
+    prelude::*,
+};
+
+pub use measured::Counting;
+
+/// An example in this room.
+pub struct Program {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// The window's title.
+    pub title: &'static str,
+    /// Who solves the indirect light, in a few lines of `--help`.
+    pub about: &'static str,
+    /// Whether it takes `--server` and `--server-file`.
+    pub takes_server: bool,
+    /// Who solves the indirect light.
+    pub light: fn(&Args) -> Result<BackendFactory, String>,
+}
+
+impl Program {
+    /// Does what the command line says.
+    pub fn run(&self) -> ExitCode {
+        let args = match Args::parse(std::env::args().skip(1), self.takes_server) {
+            Ok(args) => args,
+            Err(message) => {
+                eprintln!("{}: {message}", self.name);
+                return ExitCode::from(2);
+            }
+        };
+        let light = |args| (self.light)(args);
+        let result = match &args.mode {
+            Mode::Help => {
+                print!("{}", args::help(self.name, self.about, self.takes_server));
+                Ok(())
+            }
+            Mode::Window => light(&args).and_then(|light| window(&args, light, self.title)),
+            Mode::Headless { out, frames } => {
+                light(&args).and_then(|light| measured::run(&args, light, out, *frames))
+            }
+            Mode::Soak(time) => light(&args).and_then(|light| measured::soak(&args, light, *time)),
+        };
+        match result {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(message) => {
+                eprintln!("{}: {message}", self.name);
+                ExitCode::FAILURE
+            }
+        }
+    }
+}
+
+/// The assets folder of the repository.
+fn assets() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
+}
+
+/// What the app does in a window and without.
+fn build<L>(app: &mut App, args: &Args, light: L)
+where
+    L: Fn(&GiSettings) -> Box<dyn LightingBackend> + Send + Sync + 'static,
+{
+    let settings =
+        GiSettings { page_size: args.lightmap, max_pages: 1, seed: args.seed, ..default() };
+    app.insert_resource(settings)
+        .add_plugins(GiPlugin::with_backend(light))
+        .insert_resource(GlobalAmbientLight::NONE)
+        .insert_resource(ClearColor(Color::srgb(0.012, 0.013, 0.016)))
+        .insert_resource(scene::shadow_map())
+        .add_systems(Startup, scene::spawn)
+        .add_systems(Update, motion::travel);
+}
+
+fn window(args: &Args, light: BackendFactory, title: &str) -> Result<(), String> {
+    let mut app = App::new();
+    app.add_plugins(
+        DefaultPlugins
+            .set(AssetPlugin { file_path: assets().display().to_string(), ..default() })
+            .set(WindowPlugin {
+                primary_window: Some(Window {
+                    title: title.into(),
+                    resolution: (1280, 720).into(),
+                    ..default()
+                }),
+                ..default()
+            }),
+    );
+    build(&mut app, args, move |settings| light(settings));
+    app.add_systems(Startup, hud::spawn).add_systems(Update, (orbit::orbit, hud::keys, hud::show));
+    match app.run() {
+        AppExit::Success => Ok(()),
+        AppExit::Error(code) => Err(format!("the app exited with code {code}")),
+    }
+}
