@@ -36,6 +36,14 @@ pub enum WireError {
     /// A message at a time or on a channel where it makes no sense.
     #[error("unexpected: {0}")]
     Unexpected(String),
+    /// The other side speaks another version of the protocol.
+    #[error("the other side speaks version {theirs} of the protocol, this one speaks {ours}")]
+    Version {
+        /// Our version.
+        ours: u16,
+        /// The other side's.
+        theirs: u16,
+    },
     /// Data that does not have the hash that it was announced with.
     #[error("the content of a blob does not have the announced hash")]
     WrongHash,
@@ -52,6 +60,7 @@ impl WireError {
     pub fn close_code(&self) -> CloseCode {
         match self {
             Self::TooLarge { .. } => CloseCode::Limit,
+            Self::Version { .. } => CloseCode::Incompatible,
             _ => CloseCode::Protocol,
         }
     }

@@ -31,12 +31,14 @@ mod invitation;
 mod lighting;
 mod limits;
 mod link;
+mod message;
+mod ping;
 mod server;
 pub mod simulated;
 mod view;
 
 pub use blob::{Blob, BlobHash};
-pub use client::{ClientConfig, ClientEvent, ClientSession, SyncState};
+pub use client::{ClientConfig, ClientEvent, ClientSession, SyncState, Trip};
 pub use error::{CloseCode, WireError};
 pub use invitation::{Invitation, InvitationError, Token};
 pub use lighting::{HalfGrid, HalfTile, LightingMessage, ServerTimes};
@@ -45,6 +47,7 @@ pub use link::{
     Channel, Closed, Connector, Link, LinkEvent, LinkStats, Listener, Transmit, TransmitId, Wake,
 };
 pub use server::{
-    BlobStore, ClientHello, ServerConfig, ServerEvent, ServerSession, SessionKey, Welcome,
+    BlobStore, ClientHello, SceneSize, ServerConfig, ServerEvent, ServerSession, SessionKey,
+    Welcome,
 };
 pub use view::View;

@@ -125,6 +125,11 @@ impl HalfGrid {
         Self { grid: grid.grid, resolution: grid.resolution, first: 0, probes }
     }
 
+    /// The same grid without probes.
+    pub(crate) fn clone_empty(&self) -> Self {
+        Self { grid: self.grid, resolution: self.resolution, first: 0, probes: Vec::new() }
+    }
+
     /// Back to floats.
     pub fn to_probes(&self) -> impl Iterator<Item = ShRgb> {
         self.probes.iter().map(|probe| ShRgb(probe.map(vec3)))

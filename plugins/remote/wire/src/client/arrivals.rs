@@ -1,0 +1,144 @@
+//! Light arrives in any order; what is older than what is there is dropped.
+
+use std::collections::{BTreeMap, HashMap};
+
+use farlight_gi_solver::{
+    atlas::{PageId, TexelRect},
+    scene::InstanceId,
+    session::GridId,
+};
+
+use crate::{LightingMessage, WireError};
+
+/// Edge of the blocks of texels whose newest message is remembered. Rectangles begin at multiples
+/// of it, or else blocks at their edges count for both neighbours.
+const BLOCK: u32 = 4;
+
+/// The newest message about everything that is shown.
+#[derive(Debug, Default)]
+pub(super) struct Arrivals {
+    /// By page: rows of blocks.
+    pages: BTreeMap<PageId, Vec<u64>>,
+    placements: HashMap<InstanceId, u64>,
+    grids: HashMap<(GridId, u32), u64>,
+    /// The newest head (snapshot, quality).
+    head: u64,
+}
+
+impl Arrivals {
+    /// Drops what a message brings too late, and remembers the rest. `edge` is that of a page.
+    pub(super) fn filter(
+        &mut self,
+        message: &mut LightingMessage,
+        edge: u32,
+        max_pages: u32,
+        objects: usize,
+    ) -> Result<(), WireError> {
+        let sequence = message.sequence;
+        for rect in message
+            .tiles
+            .iter()
+            .map(|t| (t.page, t.rect))
+            .chain(message.placements.iter().map(|p| (p.page, p.rect)))
+        {
+            let (page, TexelRect { x, y, width, height }) = rect;
+            let fits = |from: u32, size: u32| from.checked_add(size).is_some_and(|end| end <= edge);
+            if page.0 >= max_pages || !fits(x, width) || !fits(y, height) {
+                return Err(WireError::invalid(
+                    "a lighting message",
+                    "texels outside of the pages",
+                ));
+            }
+        }
+        let row = edge.div_ceil(BLOCK);
+        message.tiles.retain(|tile| {
+            let blocks =
+                self.pages.entry(tile.page).or_insert_with(|| vec![0; row as usize * row as usize]);
+            let TexelRect { x, y, width, height } = tile.rect;
+            let columns = x / BLOCK..(x + width).div_ceil(BLOCK);
+            let rows = y / BLOCK..(y + height).div_ceil(BLOCK);
+            let at = |y: u32, columns: &std::ops::Range<u32>| {
+                (y * row + columns.start) as usize..(y * row + columns.end) as usize
+            };
+            let newer = |b: &u64| *b > sequence;
+            if rows.clone().any(|y| blocks[at(y, &columns)].iter().any(newer)) {
+                return false;
+            }
+            rows.for_each(|y| blocks[at(y, &columns)].fill(sequence));
+            true
+        });
+        message.placements.retain(|p| newest(&mut self.placements, p.instance, sequence));
+        message.refused.retain(|(id, _)| newest(&mut self.placements, *id, sequence));
+        message.grids.retain(|g| newest(&mut self.grids, (g.grid, g.first), sequence));
+        WireError::check("placements", self.placements.len(), objects)?;
+        WireError::check("runs of probes", self.grids.len(), objects)?;
+        Ok(())
+    }
+
+    /// Whether snapshot and quality of a message are the newest.
+    pub(super) fn is_newest(&mut self, sequence: u64) -> bool {
+        let newest = sequence >= self.head;
+        self.head = self.head.max(sequence);
+        newest
+    }
+}
+
+fn newest<K: std::hash::Hash + Eq>(seen: &mut HashMap<K, u64>, key: K, sequence: u64) -> bool {
+    let entry = seen.entry(key).or_insert(0);
+    let newest = *entry <= sequence;
+    if newest {
+        *entry = sequence;
+    }
+    newest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::HalfTile;
+
+    fn message(sequence: u64, rects: &[[u32; 4]]) -> LightingMessage {
+        let tiles = rects.iter().map(|&[x, y, width, height]| {
+            let rect = TexelRect { x, y, width, height };
+            HalfTile { page: PageId(0), rect, texels: vec![[0; 3]; rect.area()] }
+        });
+        LightingMessage { sequence, tiles: tiles.collect(), ..Default::default() }
+    }
+
+    #[test]
+    fn late_tiles_are_dropped_and_others_kept() {
+        let mut arrivals = Arrivals::default();
+        let mut left = |mut message: LightingMessage| {
+            arrivals.filter(&mut message, 64, 1, 100).unwrap();
+            message.tiles.iter().map(|t| t.rect.x).collect::<Vec<_>>()
+        };
+        assert_eq!(left(message(5, &[[0, 0, 32, 32]])), [0]);
+        assert_eq!(left(message(3, &[[0, 0, 32, 32], [32, 0, 32, 32]])), [32]);
+        assert_eq!(left(message(4, &[[16, 16, 8, 8]])), [] as [u32; 0], "inside of a newer one");
+        assert_eq!(left(message(6, &[[0, 0, 32, 32], [32, 32, 32, 32]])), [0, 32]);
+    }
+
+    #[test]
+    fn texels_outside_are_refused() {
+        let mut arrivals = Arrivals::default();
+        for rect in [[60, 0, 8, 8], [0, 60, 8, 8], [u32::MAX, 0, 8, 8]] {
+            let mut message = LightingMessage {
+                tiles: vec![HalfTile {
+                    rect: TexelRect { x: rect[0], y: rect[1], width: rect[2], height: rect[3] },
+                    ..Default::default()
+                }],
+                ..Default::default()
+            };
+            assert!(arrivals.filter(&mut message, 64, 1, 100).is_err(), "{rect:?}");
+        }
+        let mut message = message(1, &[[0, 0, 8, 8]]);
+        message.tiles[0].page = PageId(1);
+        assert!(arrivals.filter(&mut message, 64, 1, 100).is_err());
+    }
+
+    #[test]
+    fn heads_go_forward() {
+        let mut arrivals = Arrivals::default();
+        assert!(arrivals.is_newest(2) && arrivals.is_newest(3) && !arrivals.is_newest(2));
+    }
+}

@@ -1,0 +1,80 @@
+//! The objects that a scene is synchronized by.
+
+use farlight_gi_solver::{
+    scene::{Instance, InstanceId, Light, LightId, Material, MaterialId, MeshId, TextureId},
+    session::{GridId, ProbeGrid},
+};
+use glam::{Quat, Vec3};
+
+use crate::BlobHash;
+
+/// Names an object of the scene. The order is the one in which objects are sent: what is named comes
+/// before what names it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) enum ObjectKey {
+    /// An image.
+    Texture(TextureId),
+    /// A material.
+    Material(MaterialId),
+    /// Geometry.
+    Mesh(MeshId),
+    /// An instance.
+    Instance(InstanceId),
+    /// That an instance has a lightmap.
+    Receiver(InstanceId),
+    /// A light.
+    Light(LightId),
+    /// The sky.
+    Sky,
+    /// A probe grid.
+    Grid(GridId),
+}
+
+/// The newest state of an object. Its variant is that of its key.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Object {
+    /// The image's content.
+    Texture(BlobHash),
+    /// The parameters.
+    Material(Material),
+    /// The geometry's content.
+    Mesh(BlobHash),
+    /// Mesh, material, place.
+    Instance(Instance),
+    /// It has one.
+    Receiver,
+    /// The parameters.
+    Light(Light),
+    /// The sky.
+    Sky(SkyObject),
+    /// Place and resolution.
+    Grid(ProbeGrid),
+}
+
+/// The sky, its image by content.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum SkyObject {
+    /// The same radiance from everywhere.
+    Constant(Vec3),
+    /// An image.
+    Image {
+        /// Its content.
+        image: BlobHash,
+        /// From the image's frame to the world.
+        rotation: Quat,
+        /// Multiplies its values.
+        scale: f32,
+    },
+}
+
+impl Object {
+    /// The blob that it needs.
+    pub(crate) fn blob(&self) -> Option<BlobHash> {
+        match self {
+            Self::Texture(hash)
+            | Self::Mesh(hash)
+            | Self::Sky(SkyObject::Image { image: hash, .. }) => Some(*hash),
+            _ => None,
+        }
+    }
+}
