@@ -252,7 +252,9 @@ impl Replica {
             *users += 1;
             return Some(blob.clone());
         }
-        if let Some(blob) = store.get(&hash) {
+        if !self.waiting.contains_key(&hash)
+            && let Some(blob) = store.get(&hash)
+        {
             self.blobs.insert(hash, (blob.clone(), 1));
             return Some(blob);
         }
@@ -277,13 +279,15 @@ impl Replica {
         }
     }
 
-    /// Lets instances go whose mesh is there.
+    /// Lets instances go whose mesh is there, or is not to be expected.
     fn release_held(&mut self) {
-        let solid = &self.solid;
         let free: Vec<InstanceId> = self
             .held
             .iter()
-            .filter(|(_, instance)| solid.contains_key(&instance.mesh))
+            .filter(|(_, instance)| {
+                self.solid.contains_key(&instance.mesh)
+                    || !self.objects.contains_key(&ObjectKey::Mesh(instance.mesh))
+            })
             .map(|(id, _)| *id)
             .collect();
         for id in free {
