@@ -35,6 +35,7 @@ mod message;
 mod ping;
 mod server;
 pub mod simulated;
+mod texels;
 mod view;
 
 pub use blob::{Blob, BlobHash};

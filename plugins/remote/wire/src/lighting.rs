@@ -11,8 +11,6 @@ use farlight_gi_solver::{
 use glam::{UVec3, Vec3};
 use half::f16;
 
-use crate::{Limits, WireError};
-
 /// One message of light: what the client should show now.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightingMessage {
@@ -70,23 +68,6 @@ pub struct HalfGrid {
     pub first: u32,
     /// Coefficients of incident radiance in the order of [`ShRgb`], as bits of finite half floats.
     pub probes: Vec<[[u16; 3]; 9]>,
-}
-
-impl LightingMessage {
-    /// Its encoding, compressed.
-    #[must_use]
-    pub fn encode(&self) -> Vec<u8> {
-        todo!()
-    }
-
-    /// Back from [`encode`](Self::encode).
-    ///
-    /// # Errors
-    /// It is not an encoding, or over a limit: `limits.texels` texels or `limits.probes` probes in one
-    /// message.
-    pub fn decode(_bytes: &[u8], _limits: &Limits) -> Result<Self, WireError> {
-        todo!()
-    }
 }
 
 /// The largest finite half float.

@@ -1,0 +1,176 @@
+//! The encoding of light.
+//!
+//! # Format
+//! Numbers are LEB128 unless said otherwise.
+//!
+//! 1. Sequence, snapshot, the three times in nanoseconds.
+//! 2. Quality: the relative error (`f32`), rays a texel, converged (a byte 0 or 1).
+//! 3. The count of placements, and for each: instance, page, x, y, width, height.
+//! 4. The count of refused receivers, and for each: instance, length of the text, text.
+//! 5. The count of tiles, and for each: page, x, y, width, height.
+//! 6. The count of runs of probes, and for each: grid, resolution (three), first, count.
+//! 7. The length of what follows, and one arithmetic code ([`range`](crate::codec)) of all texels in
+//!    the order of the tiles ([`tile`]) and all probes in the order of the runs ([`probe`]).
+//!
+//! It stands for itself: nothing of it depends on other messages, which may be lost. What is
+//! learned, is learned over all tiles of a message.
+//!
+//! # Exactness
+//! Lossy within documented bounds: see [`step`] for texels and [`probe`] for probes.
+//! [`LightingMessage::rounded`] is what arrives.
+
+mod probe;
+mod read;
+mod step;
+#[cfg(test)]
+mod tests;
+mod tile;
+
+use farlight_gi_solver::{
+    atlas::{PageId, TexelRect},
+    session::Quality,
+};
+
+use crate::{
+    HalfGrid, HalfTile, LightingMessage,
+    codec::{BitCoder, RangeEncoder, Writer},
+};
+use probe::ProbeCoder;
+use step::Step;
+use tile::TileCoder;
+
+/// Pages there may be.
+const PAGES: u32 = 64;
+/// Edge of the largest page.
+const EDGE: u32 = 4096;
+/// Refused receivers in one message, and bytes of a reason.
+const REFUSED: usize = 4096;
+const REASON: usize = 256;
+/// Texels that a byte of the arithmetic code may stand for. Adaptive codes shrink black without
+/// bound; the encoder appends zeros, so that a decoder takes no memory for what isn't there.
+const TEXELS_PER_BYTE: usize = 64;
+/// As how many texels a probe counts there.
+const PROBE_TEXELS: usize = 8;
+
+impl LightingMessage {
+    /// Its encoding, compressed. Tiles, runs and placements that are not valid (see
+    /// [`decode`](Self::decode)) are left out, reasons are cut off and times above 584 years too.
+    #[must_use]
+    pub fn encode(&self) -> Vec<u8> {
+        let mut message = self.without_invalid();
+        let mut coder = RangeEncoder::new();
+        message.code(&mut coder);
+        let mut code = coder.finish();
+        code.resize(code.len().max(least_code(message.texels(), message.probes())), 0);
+        let mut out = Writer::default();
+        message.write_head(&mut out);
+        out.bytes(&code);
+        out.finish()
+    }
+
+    /// What arrives: [`decode`](Self::decode) of [`encode`](Self::encode).
+    #[must_use]
+    pub fn rounded(&self) -> Self {
+        let mut message = self.without_invalid();
+        message.code(&mut RangeEncoder::new());
+        message
+    }
+
+    fn without_invalid(&self) -> Self {
+        let mut message = self.clone();
+        message.placements.retain(|p| is_rect(p.page, p.rect));
+        message.tiles.retain(|t| is_rect(t.page, t.rect) && t.texels.len() == t.rect.area());
+        message.grids.retain(|g| {
+            let count = u32::try_from(g.probes.len()).unwrap_or(u32::MAX);
+            probes_of(g).is_some_and(|all| g.first.checked_add(count).is_some_and(|n| n <= all))
+        });
+        message.refused.truncate(REFUSED);
+        for (_, reason) in &mut message.refused {
+            if reason.len() > REASON {
+                *reason = reason[..reason.floor_char_boundary(REASON)].into();
+            }
+        }
+        message
+    }
+
+    /// Codes all texels and probes; they hold afterwards what the other side has.
+    fn code(&mut self, coder: &mut impl BitCoder) {
+        if !self.tiles.is_empty() {
+            let mut tiles = TileCoder::new(Step::of(&self.quality));
+            for tile in &mut self.tiles {
+                tiles.code(coder, tile.rect.width as usize, &mut tile.texels);
+            }
+        }
+        if !self.grids.is_empty() {
+            let mut probes = ProbeCoder::new();
+            for probe in self.grids.iter_mut().flat_map(|grid| &mut grid.probes) {
+                probes.code(coder, probe);
+            }
+        }
+    }
+
+    fn texels(&self) -> usize {
+        self.tiles.iter().map(|tile| tile.texels.len()).sum()
+    }
+
+    fn probes(&self) -> usize {
+        self.grids.iter().map(|grid| grid.probes.len()).sum()
+    }
+
+    fn write_head(&self, out: &mut Writer) {
+        let Self { sequence, snapshot, times, quality, placements, refused, tiles, grids } = self;
+        out.varint(*sequence);
+        out.varint(snapshot.0);
+        for time in [times.held, times.solve, times.encode] {
+            out.varint(time.as_nanos().try_into().unwrap_or(u64::MAX));
+        }
+        let Quality { relative_error, rays_per_texel, converged } = *quality;
+        out.f32(if relative_error.is_finite() { relative_error } else { 0.0 });
+        out.varint(rays_per_texel.into());
+        out.u8(converged.into());
+        out.count(placements.len());
+        for placement in placements {
+            out.varint(placement.instance.0);
+            write_rect(out, placement.page, placement.rect);
+        }
+        out.count(refused.len());
+        for (instance, reason) in refused {
+            out.varint(instance.0);
+            out.bytes(reason.as_bytes());
+        }
+        out.count(tiles.len());
+        for tile in tiles {
+            write_rect(out, tile.page, tile.rect);
+        }
+        out.count(grids.len());
+        for HalfGrid { grid, resolution, first, probes } in grids {
+            out.varint(grid.0);
+            resolution.to_array().into_iter().for_each(|n| out.varint(n.into()));
+            out.varint((*first).into());
+            out.count(probes.len());
+        }
+    }
+}
+
+fn write_rect(out: &mut Writer, page: PageId, rect: TexelRect) {
+    for number in [page.0, rect.x, rect.y, rect.width, rect.height] {
+        out.varint(number.into());
+    }
+}
+
+/// Whether a rectangle lies on a page that can be.
+fn is_rect(page: PageId, rect: TexelRect) -> bool {
+    let fits = |from: u32, size: u32| size >= 1 && from <= EDGE && size <= EDGE - from;
+    page.0 < PAGES && fits(rect.x, rect.width) && fits(rect.y, rect.height)
+}
+
+/// Probes of a whole grid, if that is a number.
+fn probes_of(grid: &HalfGrid) -> Option<u32> {
+    let [x, y, z] = grid.resolution.to_array();
+    x.checked_mul(y)?.checked_mul(z).filter(|all| *all > 0)
+}
+
+/// Bytes that the code of so much light has at least.
+fn least_code(texels: usize, probes: usize) -> usize {
+    probes.saturating_mul(PROBE_TEXELS).saturating_add(texels).div_ceil(TEXELS_PER_BYTE)
+}

@@ -1,0 +1,151 @@
+//! Reading light.
+
+use std::{sync::Arc, time::Duration};
+
+use farlight_gi_solver::{
+    atlas::{PageId, TexelRect},
+    scene::InstanceId,
+    session::{GridId, Placement, Quality, SnapshotId},
+};
+use glam::UVec3;
+
+use super::{REASON, REFUSED, is_rect, least_code, probes_of};
+use crate::{
+    HalfGrid, HalfTile, LightingMessage, Limits, ServerTimes, WireError,
+    codec::{RangeDecoder, Reader},
+};
+
+/// What errors call it.
+const WHAT: &str = "a lighting message";
+
+impl LightingMessage {
+    /// Back from [`encode`](Self::encode). All sizes are checked before memory is taken.
+    ///
+    /// # Errors
+    /// It is not an encoding, or over a limit: `limits.texels` texels or `limits.probes` probes in one
+    /// message (or in a grid), `limits.objects` placements, 4096 refused receivers of at most 256
+    /// bytes of text. Or not valid: rectangles lie on a page below 64, have at least one texel and
+    /// end at 4096; runs of probes lie in their grid.
+    pub fn decode(bytes: &[u8], limits: &Limits) -> Result<Self, WireError> {
+        let mut reader = Reader::new(WHAT, bytes);
+        let mut message = Self {
+            sequence: reader.varint()?,
+            snapshot: SnapshotId(reader.varint()?),
+            times: read_times(&mut reader)?,
+            quality: read_quality(&mut reader)?,
+            placements: read_placements(&mut reader, limits)?,
+            refused: read_refused(&mut reader)?,
+            ..Self::default()
+        };
+        let tiles = read_tiles(&mut reader, limits)?;
+        let grids = read_grids(&mut reader, limits)?;
+        let code = reader.bytes(usize::MAX)?;
+        reader.end()?;
+        let texels = tiles.iter().map(|(_, rect)| rect.area()).sum();
+        let probes = grids.iter().map(|(_, count)| count).sum();
+        if code.len() < least_code(texels, probes) {
+            return Err(reader.invalid("it says that it holds more light than its bytes can"));
+        }
+        message.tiles = tiles
+            .into_iter()
+            .map(|(page, rect)| HalfTile { page, rect, texels: vec![[0; 3]; rect.area()] })
+            .collect();
+        message.grids = grids
+            .into_iter()
+            .map(|(grid, count)| HalfGrid { probes: vec![[[0; 3]; 9]; count], ..grid })
+            .collect();
+        message.code(&mut RangeDecoder::new(code));
+        Ok(message)
+    }
+}
+
+fn read_times(reader: &mut Reader<'_>) -> Result<ServerTimes, WireError> {
+    let mut time = || reader.varint().map(Duration::from_nanos);
+    Ok(ServerTimes { held: time()?, solve: time()?, encode: time()? })
+}
+
+fn read_quality(reader: &mut Reader<'_>) -> Result<Quality, WireError> {
+    let [relative_error] = reader.floats()?;
+    Ok(Quality { relative_error, rays_per_texel: read_u32(reader)?, converged: reader.flag()? })
+}
+
+fn read_placements(reader: &mut Reader<'_>, limits: &Limits) -> Result<Vec<Placement>, WireError> {
+    let count = reader.count(6, limits.objects)?;
+    let placement = |_| {
+        let instance = InstanceId(reader.varint()?);
+        let (page, rect) = read_rect(reader)?;
+        Ok(Placement { instance, page, rect })
+    };
+    (0..count).map(placement).collect()
+}
+
+fn read_refused(reader: &mut Reader<'_>) -> Result<Vec<(InstanceId, Arc<str>)>, WireError> {
+    let count = reader.count(2, REFUSED)?;
+    let refused = |_| Ok((InstanceId(reader.varint()?), reader.text(REASON)?.into()));
+    (0..count).map(refused).collect()
+}
+
+fn read_tiles(
+    reader: &mut Reader<'_>,
+    limits: &Limits,
+) -> Result<Vec<(PageId, TexelRect)>, WireError> {
+    let count = reader.count(5, limits.texels)?;
+    let mut texels = 0_usize;
+    let tile = |_| {
+        let (page, rect) = read_rect(reader)?;
+        texels = texels.saturating_add(rect.area());
+        WireError::check("texels of a lighting message", texels, limits.texels)?;
+        Ok((page, rect))
+    };
+    (0..count).map(tile).collect()
+}
+
+/// Grids without probes, and how many there are.
+fn read_grids(
+    reader: &mut Reader<'_>,
+    limits: &Limits,
+) -> Result<Vec<(HalfGrid, usize)>, WireError> {
+    let count = reader.count(6, limits.objects)?;
+    let mut probes = 0_usize;
+    let grid = |_| {
+        let grid = HalfGrid {
+            grid: GridId(reader.varint()?),
+            resolution: UVec3::new(read_u32(reader)?, read_u32(reader)?, read_u32(reader)?),
+            first: read_u32(reader)?,
+            probes: Vec::new(),
+        };
+        let count = read_u32(reader)?;
+        let Some(all) = probes_of(&grid) else {
+            return Err(reader.invalid(format_args!("no grid has {} probes", grid.resolution)));
+        };
+        WireError::check("probes of a grid", all as usize, limits.probes)?;
+        if grid.first.checked_add(count).is_none_or(|end| end > all) {
+            return Err(reader.invalid("probes are outside of their grid"));
+        }
+        probes = probes.saturating_add(count as usize);
+        WireError::check("probes of a lighting message", probes, limits.probes)?;
+        Ok((grid, count as usize))
+    };
+    (0..count).map(grid).collect()
+}
+
+fn read_rect(reader: &mut Reader<'_>) -> Result<(PageId, TexelRect), WireError> {
+    let page = PageId(read_u32(reader)?);
+    let rect = TexelRect {
+        x: read_u32(reader)?,
+        y: read_u32(reader)?,
+        width: read_u32(reader)?,
+        height: read_u32(reader)?,
+    };
+    if is_rect(page, rect) {
+        return Ok((page, rect));
+    }
+    let TexelRect { x, y, width, height } = rect;
+    let page = page.0;
+    Err(reader.invalid(format_args!("no page {page} has {width} x {height} texels at {x}, {y}")))
+}
+
+fn read_u32(reader: &mut Reader<'_>) -> Result<u32, WireError> {
+    let number = reader.varint()?;
+    number.try_into().map_err(|_| reader.invalid(format_args!("{number} is too large")))
+}
