@@ -32,7 +32,7 @@ use farlight_gi_solver::{
 };
 
 use crate::{
-    HalfGrid, HalfTile, LightingMessage,
+    HalfGrid, LightingMessage,
     codec::{BitCoder, RangeEncoder, Writer},
 };
 use probe::ProbeCoder;

@@ -9,7 +9,7 @@ use glam::{UVec3, Vec3};
 use half::f16;
 
 use super::*;
-use crate::{Limits, ServerTimes, WireError};
+use crate::{HalfTile, Limits, ServerTimes, WireError};
 
 fn rect(x: u32, y: u32, width: u32, height: u32) -> TexelRect {
     TexelRect { x, y, width, height }
@@ -110,7 +110,7 @@ fn light_comes_back_as_the_encoder_says() {
 fn every_half_comes_back_within_the_bound() {
     // Any order of values, as badly predictable as can be.
     let texels =
-        (0..65536_u32).map(|i| std::array::from_fn(|c| (i * 40_503 >> c) as u16)).collect();
+        (0..65536_u32).map(|i| std::array::from_fn(|c| ((i * 40_503) >> c) as u16)).collect();
     let tile = HalfTile { page: PageId(0), rect: rect(0, 0, 256, 256), texels };
     for relative_error in [0.0, 0.02, 0.5] {
         let quality = Quality { relative_error, ..Quality::default() };

@@ -96,14 +96,14 @@ impl TileCoder {
             rows.resize(width + 3, [BEYOND; 3]);
         }
         for (y, texels) in texels.chunks_exact_mut(width).enumerate() {
-            for x in 0..width {
+            for (x, texel) in texels.iter_mut().enumerate() {
                 if y == 0 {
                     // Nothing is above: as if the left one was.
                     let left = self.row[x];
                     self.above[x + 1] = left;
                     self.above[x + 2] = left;
                 }
-                self.texel(coder, x + 1, &mut texels[x]);
+                self.texel(coder, x + 1, texel);
                 if x == 0 && y == 0 {
                     self.start = self.row[1];
                 }
