@@ -24,7 +24,7 @@ use wtransport::{
 
 use crate::{
     Pin, SERVER_NAME,
-    end::closed,
+    end::{closed, goodbye},
     network::Network,
     pump::{self, Command, QuicLink},
     shared::{Shared, WakeSlot},
@@ -255,6 +255,10 @@ async fn attempt(address: SocketAddr, authority: [u8; 32]) -> Result<Connected, 
 fn connecting(error: &ConnectionError) -> Closed {
     match error {
         ConnectionError::TimedOut => Closed::Lost("no answer".into()),
+        ConnectionError::ApplicationClosed(close) => {
+            goodbye(close.code().into_inner(), close.reason())
+        }
+        ConnectionError::ConnectionClosed(close) => Closed::Lost(close.to_string().into()),
         other => Closed::Lost(other.to_string().into()),
     }
 }

@@ -50,27 +50,22 @@ pub(crate) fn closed(error: &quinn::ConnectionError) -> Closed {
     use quinn::ConnectionError as E;
     let lost = |why: &str| Closed::Lost(why.into());
     match error {
-        E::ApplicationClosed(close) => {
-            let code = close.error_code.into_inner();
-            if code < OUR_CODES {
-                let code = CloseCode::from_number(code as u32);
-                return Closed::Goodbye(code, readable(&close.reason));
-            }
-            lost(&format!("the other side closed the WebTransport session (code {code:#x})"))
-        }
-        E::ConnectionClosed(close)
-            if close.error_code == quinn::TransportErrorCode::CONNECTION_REFUSED =>
-        {
-            lost("the server takes no new connections now")
-        }
-        E::ConnectionClosed(close) => {
-            lost(&format!("the other side ended it ({})", close.error_code))
-        }
+        E::ApplicationClosed(close) => goodbye(close.error_code.into_inner(), &close.reason),
+        E::ConnectionClosed(close) => lost(&close.to_string()),
         E::TimedOut => lost("nothing was heard from the other side for too long"),
         E::Reset => lost("the other side doesn't know the connection; it was probably restarted"),
         E::LocallyClosed => lost("it was closed here"),
         other => lost(&other.to_string()),
     }
+}
+
+/// What the other side said when it left.
+pub(crate) fn goodbye(code: u64, reason: &[u8]) -> Closed {
+    if code < OUR_CODES {
+        return Closed::Goodbye(CloseCode::from_number(code as u32), readable(reason));
+    }
+    let why = format!("the other side closed the WebTransport session (code {code:#x})");
+    Closed::Lost(why.into())
 }
 
 /// Text of the other side, fit for a log.
