@@ -36,7 +36,7 @@ pub(crate) fn unbury(world: &World, patches: &mut Patches, texel: f32) -> Vec<bo
                 return (true, None);
             }
             let bad = patches.samples[i].iter().enumerate().fold(0, |bad, (k, sample)| {
-                let (backs, _) = skim(world, *sample, normal, length);
+                let (backs, _) = skim(world, *sample, patches.sample_normals[i][k], length);
                 bad | (u8::from(backs >= BACKS) << k)
             });
             (backs < BACKS, Some(bad))

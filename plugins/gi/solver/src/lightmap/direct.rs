@@ -85,10 +85,9 @@ impl Direct {
 
 /// The mean over a patch's sample points of cosine, falloff, cone and visibility.
 fn mean_factor(world: &World, patches: &Patches, patch: usize, light: &Light) -> f32 {
-    let normal = patches.normal[patch];
     let samples = &patches.samples[patch];
     let mut sum = 0.0;
-    for &point in samples {
+    for (&point, &normal) in samples.iter().zip(&patches.sample_normals[patch]) {
         let Some(sample) = light.sample(point) else { continue };
         let cos = normal.dot(sample.to_light);
         if cos <= 0.0 {

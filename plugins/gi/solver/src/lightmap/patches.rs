@@ -33,6 +33,8 @@ pub(crate) struct Patches {
     pub normal: Vec<Vec3>,
     /// Points at which direct light is sampled.
     pub samples: Vec<[Vec3; SAMPLES]>,
+    /// Unit normals there, on the patch's side: a texel may lie across an edge.
+    pub sample_normals: Vec<[Vec3; SAMPLES]>,
     pub albedo: Vec<Vec3>,
     pub emission: Vec<Vec3>,
     pub receivers: Vec<Receiver>,
@@ -91,6 +93,7 @@ impl Patches {
         }
         for k in (0..SAMPLES).filter(|k| bad >> k & 1 != 0) {
             self.samples[texel][k] = self.samples[texel][good];
+            self.sample_normals[texel][k] = self.sample_normals[texel][good];
             self.points[texel][k] = self.points[texel][good];
         }
         true
@@ -156,6 +159,7 @@ impl Patches {
                 self.position.push(self.position[t]);
                 self.normal.push(-self.normal[t]);
                 self.samples.push(self.samples[t]);
+                self.sample_normals.push(self.sample_normals[t].map(|n| -n));
                 self.albedo.push(self.albedo[t]);
                 self.emission.push(self.emission[t]);
                 self.points.push(self.points[t]);
@@ -203,6 +207,8 @@ impl Patches {
         self.position.push(world_position(world, point));
         self.normal.push(if back { -normal } else { normal });
         self.samples.push(samples.map(|p| world_position(world, p)));
+        let side = if back { -1.0 } else { 1.0 };
+        self.sample_normals.push(samples.map(|p| world.normal(p.triangle) * side));
         let (albedo, emission) = appearance(world, &samples);
         self.albedo.push(albedo);
         self.emission.push(emission);
@@ -217,6 +223,9 @@ impl Patches {
         }
         self.points[patch][filled] = point;
         self.samples[patch][filled] = world_position(world, point);
+        // Surfels face one of six directions: all their points look about the same way.
+        let normal = world.normal(point.triangle);
+        self.sample_normals[patch][filled] = normal * normal.dot(self.normal[patch]).signum();
         self.filled[patch] += 1;
         if filled + 1 == SAMPLES {
             (self.albedo[patch], self.emission[patch]) = appearance(world, &self.points[patch]);

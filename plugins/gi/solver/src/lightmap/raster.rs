@@ -2,7 +2,7 @@
 //!
 //! Independent of transform and material, so the result is kept while these change.
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 use crate::scene::Mesh;
 use crate::unwrap::charts;
@@ -41,8 +41,8 @@ pub(crate) struct MeshTexels {
     pub index: Vec<u32>,
     /// Column and row of each covered texel.
     pub coords: Vec<[u16; 2]>,
-    /// The point that stands for the texel: its centre, or where that is outside of the chart the
-    /// centroid of the part inside.
+    /// The point that stands for the texel: its centre, or where that is outside of the chart, or on
+    /// a narrow face that looks elsewhere than most of the texel, the centroid of the largest part.
     pub points: Vec<SurfacePoint>,
     /// Points spread over the covered part; where one is outside, `points` stands in.
     pub samples: Vec<[SurfacePoint; SAMPLES]>,
@@ -51,6 +51,9 @@ pub(crate) struct MeshTexels {
     /// The chart of each triangle.
     pub triangle_chart: Vec<u32>,
 }
+
+/// Faces of a texel whose normals have at least this cosine between them look the same way.
+const ALIKE: f32 = 0.9;
 
 struct Fragment {
     texel: u32,
@@ -104,8 +107,19 @@ impl MeshTexels {
             else {
                 continue;
             };
-            let point = centre.or_else(|| {
-                let most = own.iter().max_by(|a, b| a.area.total_cmp(&b.area))?;
+            let alike = |f: &Fragment| {
+                let normal = face_normal(mesh, f.triangle);
+                let looks_there = |o: &&Fragment| face_normal(mesh, o.triangle).dot(normal) > ALIKE;
+                own.iter().filter(looks_there).map(|o| o.area).sum::<f32>()
+            };
+            // A centre on a chamfer would make the whole texel look where the chamfer does.
+            let typical = |p: &SurfacePoint| {
+                let mut under = own.iter().filter(|f| f.triangle == p.triangle);
+                own.len() == 1 || under.all(|f| alike(f) >= area * 0.5)
+            };
+            let point = centre.filter(typical).or_else(|| {
+                let size = |f: &Fragment| (alike(f), f.area);
+                let most = own.iter().max_by(|a, b| size(a).partial_cmp(&size(b)).unwrap())?;
                 let corners = corners(most.triangle);
                 let bary = barycentric_unclamped(&corners, most.centroid)?;
                 Some(SurfacePoint { triangle: most.triangle, bary: clamp_inside(bary) })
@@ -187,6 +201,12 @@ impl MeshTexels {
             self.index[usize::from(*y) * self.width as usize + usize::from(*x)] = i as u32;
         }
     }
+}
+
+/// Unit normal of a triangle in the mesh's space; zero if it has no area.
+fn face_normal(mesh: &Mesh, triangle: u32) -> Vec3 {
+    let [a, b, c] = mesh.triangles[triangle as usize].map(|i| mesh.positions[i as usize]);
+    (b - a).cross(c - a).normalize_or_zero()
 }
 
 /// Adds a fragment for every texel that the triangle touches with some area.
@@ -326,6 +346,24 @@ mod tests {
         let texels = MeshTexels::new(&mesh, 8, 8);
         assert_eq!(texels.len(), 16);
         assert_eq!(texels.lookup(0, Vec2::new(4.01 / 8.0, 0.05)), texels.at(3, 0, 0));
+    }
+
+    /// A moulding crosses the only texel right under its centre: the texel looks where the wall does.
+    #[test]
+    fn a_chamfer_under_the_centre_does_not_stand_for_the_texel() {
+        let rows = [(0.0, 0.0), (0.4, 0.0), (0.6, 0.3), (1.0, 0.3)];
+        let corner = |(v, depth): (f32, f32), u| (Vec3::new(u, depth, v), Vec2::new(u, v));
+        let (positions, uv1) =
+            rows.iter().flat_map(|row| [corner(*row, 0.0), corner(*row, 1.0)]).unzip();
+        let triangles =
+            (0..3).flat_map(|i| [[2 * i, 2 * i + 1, 2 * i + 3], [2 * i, 2 * i + 3, 2 * i + 2]]);
+        let mesh = Mesh { positions, uv1, triangles: triangles.collect(), ..Default::default() };
+        let texels = MeshTexels::new(&mesh, 1, 1);
+        let chamfer = face_normal(&mesh, 2);
+        assert!(chamfer.dot(face_normal(&mesh, 0)) < ALIKE);
+        assert_eq!(face_normal(&mesh, texels.points[0].triangle), face_normal(&mesh, 0));
+        let fine = MeshTexels::new(&mesh, 1, 10);
+        assert_eq!(face_normal(&mesh, fine.points[5].triangle), chamfer);
     }
 
     #[test]
