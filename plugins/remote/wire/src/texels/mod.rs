@@ -95,16 +95,17 @@ impl LightingMessage {
 
     /// Codes all texels and probes; they hold afterwards what the other side has.
     fn code(&mut self, coder: &mut impl BitCoder) {
+        let step = Step::of(&self.quality);
         if !self.tiles.is_empty() {
-            let mut tiles = TileCoder::new(Step::of(&self.quality));
+            let mut tiles = TileCoder::new(step);
             for tile in &mut self.tiles {
                 tiles.code(coder, tile.rect.width as usize, &mut tile.texels);
             }
         }
         if !self.grids.is_empty() {
-            let mut probes = ProbeCoder::new();
-            for probe in self.grids.iter_mut().flat_map(|grid| &mut grid.probes) {
-                probes.code(coder, probe);
+            let mut probes = ProbeCoder::new(step);
+            for HalfGrid { resolution, first, probes: run, .. } in &mut self.grids {
+                probes.code(coder, *resolution, *first, run);
             }
         }
     }

@@ -1,10 +1,11 @@
 //! Probes: nine coefficients, each a multiple of a step that follows from the first one.
 //!
 //! The error of a coefficient matters beside the first one (L0, the mean radiance), so the step is
-//! the power of two between 1/1024 and 1/512 of it, and the error at most 1/1024. L0 itself is
-//! coded like a texel. Values are predicted from the probe before, and in red and blue also by how
-//! far green was off.
+//! the power of two between 1/1024 and 1/512 of it, and the error at most 1/1024 (where texels are
+//! sent less exactly, twice or four times as much). L0 itself is coded like a texel. What the others are beside it is predicted from the neighbours along x, y and
+//! z that are already there, and in red and blue also from how far that was off in green.
 
+use glam::UVec3;
 use half::f16;
 
 use super::step::{LARGEST, Step};
@@ -29,19 +30,44 @@ pub(super) type Probe = [[u16; 3]; 9];
 /// Learns over all probes of a message.
 #[derive(Debug)]
 pub(super) struct ProbeCoder {
+    exactness: Step,
     means: [Residuals; 3],
     coefficients: [Residuals; 3],
     doublings: Residuals,
     signs: Residuals,
-    /// The probe before.
+    /// The last probe of the run before.
     last: Probe,
-    /// How large the errors were there.
+    /// How large the errors were in the probe before.
     errors: [[u32; 3]; 9],
 }
 
-/// For L0, always the finest.
-fn step() -> Step {
-    Step::of(&farlight_gi_solver::session::Quality::default())
+/// What the neighbours let one expect.
+struct Expected {
+    /// Level of L0.
+    means: [i32; 3],
+    /// The others in units of L0; the first is not used.
+    shape: [[f32; 3]; 9],
+}
+
+impl Expected {
+    /// The mean of neighbours, of which there is at least one.
+    fn mean_of(neighbours: &[&Probe], exactness: Step) -> Self {
+        let (mut means, mut shape) = ([0; 3], [[0.0; 3]; 9]);
+        for probe in neighbours {
+            for channel in 0..3 {
+                means[channel] += exactness.level(probe[0][channel] & 0x7fff);
+                let mean = value(probe[0][channel]);
+                if mean != 0.0 {
+                    for i in 1..9 {
+                        shape[i][channel] += value(probe[i][channel]) / mean;
+                    }
+                }
+            }
+        }
+        let count = neighbours.len() as i32;
+        let shape = shape.map(|c| c.map(|sum| sum / count as f32));
+        Self { means: means.map(|sum| sum / count), shape }
+    }
 }
 
 /// The finite value of a half's bits.
@@ -67,8 +93,9 @@ fn sized(size: u32) -> Context {
 }
 
 impl ProbeCoder {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(exactness: Step) -> Self {
         Self {
+            exactness,
             means: std::array::from_fn(|_| Residuals::new()),
             coefficients: std::array::from_fn(|_| Residuals::new()),
             doublings: Residuals::new(),
@@ -78,30 +105,51 @@ impl ProbeCoder {
         }
     }
 
-    /// Codes a probe. A decoder fills it in.
-    pub(super) fn code(&mut self, coder: &mut impl BitCoder, probe: &mut Probe) {
-        // How far green was off: in levels of L0, then as values.
-        let mut off_mean = 0;
-        let mut off = [0.0; 9];
-        for channel in [GREEN, RED, BLUE] {
-            let error = self.mean(coder, channel, off_mean, &mut probe[0][channel]);
-            if channel == GREEN {
-                off_mean = error;
+    /// Codes a run of probes that begins at `first` in a grid. A decoder fills them in.
+    pub(super) fn code(
+        &mut self,
+        coder: &mut impl BitCoder,
+        resolution: UVec3,
+        first: u32,
+        probes: &mut [Probe],
+    ) {
+        let (row, layer) = (resolution.x as usize, resolution.x as usize * resolution.y as usize);
+        for at in 0..probes.len() {
+            let (there, rest) = probes.split_at_mut(at);
+            let index = first as usize + at;
+            let along = [(index % row, 1), (index % layer / row, row), (index / layer, layer)];
+            let (mut neighbours, mut count) = ([&self.last; 3], 0);
+            for (place, stride) in along {
+                if let Some(neighbour) = at.checked_sub(stride).filter(|_| place > 0) {
+                    neighbours[count] = &there[neighbour];
+                    count += 1;
+                }
             }
-            let ratio = match (value(probe[0][channel]), value(probe[0][GREEN])) {
-                _ if channel == GREEN => 0.0,
-                (_, 0.0) => 1.0,
-                (own, green) => (own / green).clamp(-16.0, 16.0),
-            };
+            if let Some(before) = there.last().filter(|_| count == 0) {
+                neighbours[0] = before;
+            }
+            let expected = Expected::mean_of(&neighbours[..count.max(1)], self.exactness);
+            self.probe(coder, &expected, &mut rest[0]);
+        }
+        self.last = probes.last().copied().unwrap_or(self.last);
+    }
+
+    fn probe(&mut self, coder: &mut impl BitCoder, expected: &Expected, probe: &mut Probe) {
+        // How far green was off: in levels of L0, then in units of L0.
+        let (mut off_mean, mut off) = (0, [0.0; 9]);
+        for channel in [GREEN, RED, BLUE] {
+            let predicted = expected.means[channel];
+            let missed = self.mean(coder, channel, predicted, off_mean, &mut probe[0][channel]);
             let step = self.step(coder, channel, probe);
+            let steps = value(probe[0][channel]) / step;
             let mut before = 0;
             for i in 1..9 {
-                let predicted = value(self.last[i][channel]) + off[i] * ratio;
-                let predicted = (predicted / step).clamp(-MOST, MOST).round();
+                let shape = expected.shape[i][channel] + off[i];
+                let predicted = (shape * steps).clamp(-MOST, MOST).round();
                 let wanted = (value(probe[i][channel]) / step).clamp(-MOST, MOST).round();
                 let near = (2 * self.errors[i][channel] + before) / 3;
                 let context = Context {
-                    first: (class(near), coarse((off[i] * ratio / step).abs() as u32)),
+                    first: (class(near), coarse((off[i] * steps).abs() as u32)),
                     second: (class(before), (i - 1) / 3),
                     sign: 0,
                 };
@@ -109,48 +157,51 @@ impl ProbeCoder {
                 let error = self.coefficients[channel].code(coder, context, error);
                 let coded = (predicted + error as f32).clamp(-MOST, MOST) * step;
                 probe[i][channel] = bits(coded);
-                if channel == GREEN {
-                    off[i] = value(probe[i][channel]) - value(self.last[i][channel]);
-                }
                 before = error.unsigned_abs();
                 self.errors[i][channel] = before;
+                if channel == GREEN && steps != 0.0 {
+                    off[i] = value(probe[i][channel]) / (steps * step) - expected.shape[i][channel];
+                }
+            }
+            if channel == GREEN {
+                off_mean = missed;
             }
         }
-        self.last = *probe;
     }
 
-    /// L0; returns by how many levels the prediction was off.
+    /// L0; returns by how many levels `predicted` was off.
     fn mean(
         &mut self,
         coder: &mut impl BitCoder,
         channel: usize,
+        predicted: i32,
         green: i32,
         mean: &mut u16,
     ) -> i32 {
-        let step = step();
-        let last = self.last[0][channel];
+        let step = self.exactness;
         let wanted = value(*mean);
         let negative = self.signs.code(coder, sized(0), i32::from(wanted < 0.0)) != 0;
         let level = step.level(bits(wanted.abs()));
-        let predicted = (step.level(last & 0x7fff) + green).clamp(0, step.top());
+        let corrected = (predicted + green).clamp(0, step.top());
         let near = self.errors[0][channel];
         let context = Context {
             first: (class(near), coarse(green.unsigned_abs())),
             second: (class(green.unsigned_abs()), 0),
             sign: (green.signum() + 1) as usize,
         };
-        let error = self.means[channel].code(coder, context, level - predicted);
+        let error = self.means[channel].code(coder, context, level - corrected);
         self.errors[0][channel] = error.unsigned_abs();
-        let level = (predicted + error).clamp(0, step.top());
+        let level = (corrected + error).clamp(0, step.top());
         let size = f16::from_bits(step.bits(level)).to_f32();
         *mean = bits(if negative { -size } else { size });
-        level - step.level(last & 0x7fff)
+        level - predicted
     }
 
     /// The step of a channel whose L0 is coded. It is doubled where other coefficients are larger
     /// than those of real light.
     fn step(&mut self, coder: &mut impl BitCoder, channel: usize, probe: &Probe) -> f32 {
-        let exponent = i32::from(probe[0][channel] >> 10 & 0x1f).max(1) - 15 - SIGNIFICANT;
+        let exponent = i32::from(probe[0][channel] >> 10 & 0x1f).max(1) - 15 - SIGNIFICANT
+            + self.exactness.units().ilog2() as i32;
         let largest = probe[1..].iter().map(|c| value(c[channel]).abs()).fold(0.0, f32::max);
         let fits = |doublings: &i32| (largest / power(exponent + doublings)).round() <= MOST;
         let doublings = (0..=DOUBLINGS).find(fits).unwrap_or(DOUBLINGS);

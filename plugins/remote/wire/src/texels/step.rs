@@ -49,10 +49,15 @@ impl Step {
         level.clamp(0, self.top()) as u16 * self.0
     }
 
+    /// The largest error, in units in the last place: 1 to 4.
+    pub(super) fn units(self) -> u16 {
+        self.0 / 2
+    }
+
     /// Relative error of values above 6.1e-5.
     #[cfg(test)]
     pub(super) fn error(self) -> f32 {
-        f32::from(self.0 / 2) * FINE
+        f32::from(self.units()) * FINE
     }
 }
 
