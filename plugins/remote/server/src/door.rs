@@ -12,7 +12,6 @@ use farlight_wire::{
 use tracing::{debug, info, warn};
 
 use crate::{
-    bell::lock,
     driver::Driver,
     grant::grant,
     house::{Guest, House, Room},
@@ -254,7 +253,7 @@ impl Summary {
             let mebibytes = |i: usize| (bytes[i] - self.bytes[i]) as f64 / f64::from(1 << 20);
             let rooms = house.rooms();
             let away = rooms.iter().filter(|room| room.away_since().is_some()).count();
-            let scenes = lock(&house.blobs).bytes() >> 20;
+            let scenes = house.blobs.bytes() >> 20;
             info!(
                 "{} sessions ({away} without their client), {} of them new, {} refused; {} \
                  updates of light, {:.2} MiB sent, {:.2} MiB received; {scenes} MiB of meshes and \

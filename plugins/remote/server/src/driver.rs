@@ -185,9 +185,7 @@ impl Driver {
 
     fn take(&mut self, now: Duration, channel: Channel, message: &[u8]) -> Result<(), End> {
         let mut wire = lock(&self.room.wire);
-        let mut blobs = lock(&self.house.blobs);
-        let outcome = wire.receive(now, channel, message, &mut blobs);
-        drop(blobs);
+        let outcome = wire.receive(now, channel, message, &self.house.blobs);
         let mut changed = false;
         while let Some(event) = wire.poll_event() {
             changed |= event == ServerEvent::Changed;

@@ -23,7 +23,7 @@ pub(crate) struct House {
     pub(crate) settings: ServerSettings,
     pub(crate) limits: Limits,
     pub(crate) token: Token,
-    pub(crate) blobs: Mutex<BlobStore>,
+    pub(crate) blobs: BlobStore,
     pub(crate) solver: SolverFactory,
     /// Wakes whoever looks after new connections.
     pub(crate) bell: Bell,
@@ -50,7 +50,7 @@ impl House {
     pub(crate) fn new(settings: ServerSettings, token: Token, solver: SolverFactory) -> Self {
         Self {
             limits: settings.limits(),
-            blobs: Mutex::new(BlobStore::new(settings.unused_blob_bytes())),
+            blobs: BlobStore::new(settings.unused_blob_bytes()),
             settings,
             token,
             solver,

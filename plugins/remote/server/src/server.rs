@@ -124,6 +124,8 @@ fn attend(house: &Arc<House>, mut door: Door, start: Instant) {
             Ok((opened, next)) => {
                 drivers.extend(opened.into_iter().filter_map(|opened| open(house, opened, start)));
                 drivers.retain(|driver| !driver.is_finished());
+                // Sessions that have ended hold their blobs no longer.
+                house.blobs.trim();
                 house.bell.wait(next.map(|next| next.saturating_sub(start.elapsed())));
             }
             // What it was looking at is gone with the panic; sessions have threads of their own.
@@ -147,12 +149,20 @@ fn open(house: &Arc<House>, opened: Opened, start: Instant) -> Option<JoinHandle
     let Opened { driver, worker } = opened;
     let room = driver.room().clone();
     let clock = move || start.elapsed();
+    let at_the_end = house.clone();
     let solving = Builder::new()
         .name(format!("light {}", room.number))
-        .spawn(move || worker.run(clock))
+        .spawn(move || {
+            worker.run(clock);
+            at_the_end.wake();
+        })
         .map(|_| ());
+    let at_the_end = house.clone();
     let driving = solving.and_then(|()| {
-        Builder::new().name(format!("session {}", room.number)).spawn(move || drive(driver, start))
+        Builder::new().name(format!("session {}", room.number)).spawn(move || {
+            drive(driver, start);
+            at_the_end.wake();
+        })
     });
     match driving {
         Ok(thread) => Some(thread),

@@ -168,7 +168,7 @@ impl ServerSession {
         now: Duration,
         channel: Channel,
         message: &[u8],
-        blobs: &mut BlobStore,
+        blobs: &BlobStore,
     ) -> Result<(), WireError> {
         let limits = self.config.limits;
         WireError::check("a message", message.len(), channel.limit(&limits))?;

@@ -53,7 +53,7 @@ impl Replica {
         now: Duration,
         part: SnapshotPart,
         limits: &Limits,
-        store: &mut BlobStore,
+        store: &BlobStore,
     ) -> Result<bool, WireError> {
         if part.snapshot <= self.snapshot {
             return Err(WireError::Unexpected(format!(
@@ -127,7 +127,7 @@ impl Replica {
         &mut self,
         chunk: Chunk,
         limits: &Limits,
-        store: &mut BlobStore,
+        store: &BlobStore,
     ) -> Result<(), WireError> {
         let hash = chunk.hash;
         if let Some(blob) = self.incoming.receive(chunk, limits)? {
@@ -187,7 +187,7 @@ impl Replica {
         &mut self,
         key: ObjectKey,
         object: Option<Object>,
-        store: &mut BlobStore,
+        store: &BlobStore,
     ) -> Result<(), WireError> {
         let new = object.as_ref().and_then(Object::blob);
         let old = match &object {
@@ -247,7 +247,7 @@ impl Replica {
     }
 
     /// An object names a blob; answers the blob if it is here, else asks for it.
-    fn name(&mut self, key: ObjectKey, hash: BlobHash, store: &mut BlobStore) -> Option<Blob> {
+    fn name(&mut self, key: ObjectKey, hash: BlobHash, store: &BlobStore) -> Option<Blob> {
         if let Some((blob, users)) = self.blobs.get_mut(&hash) {
             *users += 1;
             return Some(blob.clone());

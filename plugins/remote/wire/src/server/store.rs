@@ -1,15 +1,24 @@
 //! Decoded blobs by content, shared by sessions.
 
-use std::{collections::HashMap, sync::Arc};
+use std::{
+    collections::HashMap,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+};
 
 use crate::{Blob, BlobHash};
 
 /// Decoded meshes and images by content, shared by the sessions of a server, with a bound. What no
-/// session uses goes first, oldest first.
+/// session uses goes first, oldest first. It locks itself for moments only: blobs are decoded
+/// outside of it, so sessions don't wait for each other.
 #[derive(Debug, Default)]
 pub struct BlobStore {
-    blobs: HashMap<BlobHash, Entry>,
+    shelves: Mutex<Shelves>,
     unused_bytes: usize,
+}
+
+#[derive(Debug, Default)]
+struct Shelves {
+    blobs: HashMap<BlobHash, Entry>,
     clock: u64,
 }
 
@@ -26,29 +35,40 @@ impl BlobStore {
         Self { unused_bytes, ..Self::default() }
     }
 
+    fn lock(&self) -> MutexGuard<'_, Shelves> {
+        // Every change of the shelves is one call that can't be left halfway.
+        self.shelves.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Bytes of all that it holds.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.blobs.values().map(|entry| entry.blob.memory()).sum()
+        self.lock().blobs.values().map(|entry| entry.blob.memory()).sum()
     }
 
-    pub(super) fn get(&mut self, hash: &BlobHash) -> Option<Blob> {
-        self.clock += 1;
-        let entry = self.blobs.get_mut(hash)?;
-        entry.last_used = self.clock;
+    pub(super) fn get(&self, hash: &BlobHash) -> Option<Blob> {
+        let mut shelves = self.lock();
+        shelves.clock += 1;
+        let now = shelves.clock;
+        let entry = shelves.blobs.get_mut(hash)?;
+        entry.last_used = now;
         Some(entry.blob.clone())
     }
 
-    pub(super) fn insert(&mut self, hash: BlobHash, blob: Blob) {
-        self.clock += 1;
-        self.blobs.insert(hash, Entry { blob, last_used: self.clock });
+    pub(super) fn insert(&self, hash: BlobHash, blob: Blob) {
+        let mut shelves = self.lock();
+        shelves.clock += 1;
+        let last_used = shelves.clock;
+        shelves.blobs.insert(hash, Entry { blob, last_used });
+        drop(shelves);
         self.trim();
     }
 
     /// Lets go of what no session uses, down to the bound. Sessions end without telling the store,
     /// so it is also called when one has ended.
-    pub fn trim(&mut self) {
-        let mut unused: Vec<(u64, BlobHash, usize)> = self
+    pub fn trim(&self) {
+        let mut shelves = self.lock();
+        let mut unused: Vec<(u64, BlobHash, usize)> = shelves
             .blobs
             .iter()
             .filter(|(_, entry)| is_unused(&entry.blob))
@@ -60,7 +80,7 @@ impl BlobStore {
             if bytes <= self.unused_bytes {
                 return;
             }
-            self.blobs.remove(&hash);
+            shelves.blobs.remove(&hash);
             bytes -= size;
         }
     }
@@ -88,7 +108,7 @@ mod tests {
             Blob::Texture(Arc::new(Texture { width: 16, height: 16, texels, srgb: true }))
         };
         let size = blob(0).memory();
-        let mut store = BlobStore::new(2 * size);
+        let store = BlobStore::new(2 * size);
         let used = blob(0);
         store.insert(BlobHash([0; 32]), used.clone());
         for i in 1..=4 {

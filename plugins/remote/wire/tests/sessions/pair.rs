@@ -113,7 +113,7 @@ impl Pair {
     /// Delivers the message at an index.
     pub(crate) fn deliver_to_server(&mut self, index: usize) {
         let Transmit { channel, message, .. } = self.to_server.remove(index);
-        self.server.receive(self.now, channel, &message, &mut self.store).unwrap();
+        self.server.receive(self.now, channel, &message, &self.store).unwrap();
         while let Some((_, changes)) = self.server.take_changes() {
             for change in changes {
                 match change {
