@@ -8,7 +8,7 @@
 //! moves for `--frames` updates (60). `--each` prints every update, not only the sums.
 
 use std::{
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -56,7 +56,7 @@ fn arguments() -> Arguments {
 }
 
 /// Everything of the file, every mesh a receiver, and probes around all of it.
-fn scene(path: &PathBuf) -> Vec<SessionChange> {
+fn scene(path: &Path) -> Vec<SessionChange> {
     let scene = load_scene(path, &ImportOptions::default()).expect("a readable scene").scene;
     let mut changes = Vec::new();
     let mut add = |change| changes.push(SessionChange::Scene(change));
