@@ -12,6 +12,7 @@ mod demo;
 #[cfg(test)]
 mod documents;
 mod environment;
+mod fuzz;
 mod manifest;
 mod process;
 mod prune;
@@ -35,6 +36,7 @@ cargo xtask COMMAND [OPTIONS]
   test     every test of the workspace, and a list of what was skipped and why
   ci       what runs before a change is merged: format, lints, docs, features, targets, tests
   bench    rays per second beside Embree; `bench soak`: ten minutes of the demo, watching memory
+  fuzz     damaged and random input for every decoder, longer than the tests do
   setup    only look for missing system packages, and install them
   prune    bound the size of a build folder that several checkouts share
   assets   write the scene in assets/ that this project makes itself, or check it
@@ -54,6 +56,7 @@ fn main() -> ExitCode {
         "test" => (test::HELP, test::run),
         "ci" => (ci::HELP, ci::run),
         "bench" => (bench::HELP, bench::run),
+        "fuzz" => (fuzz::HELP, fuzz::run),
         "setup" => (setup::HELP, setup::run),
         "prune" => (prune::HELP, prune::run),
         "assets" => (assets::HELP, assets::run),

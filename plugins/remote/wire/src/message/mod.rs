@@ -6,6 +6,8 @@
 //! misunderstand, [`MINOR`] when something was added.
 
 mod change;
+#[cfg(test)]
+mod fuzz;
 mod greeting;
 mod scene;
 mod service;

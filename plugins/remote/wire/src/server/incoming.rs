@@ -1,6 +1,6 @@
 //! Blobs on their way to the server.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, VecDeque, btree_map::Entry};
 
 use crate::{
     Blob, BlobHash, Limits, WireError,
@@ -29,7 +29,9 @@ struct Assembly {
 impl Incoming {
     /// Asks for a blob unless that was done.
     pub(super) fn want(&mut self, hash: BlobHash) {
-        if self.wanted.insert(hash, Assembly::default()).is_none() {
+        // What has come of it already is kept when a second object names it.
+        if let Entry::Vacant(place) = self.wanted.entry(hash) {
+            place.insert(Assembly::default());
             self.to_ask.push_back(hash);
         }
     }
@@ -108,5 +110,36 @@ impl Assembly {
             end += piece.len() as u32;
         }
         end
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use farlight_gi_solver::scene::Texture;
+
+    use super::*;
+
+    #[test]
+    fn what_is_wanted_twice_keeps_its_pieces() {
+        // Noise, so that it is long.
+        let texels = (0..40_000_u32).map(|i| i.wrapping_mul(2_654_435_761).rotate_left(i % 31));
+        let texels = texels.map(u32::to_le_bytes).collect();
+        let texture = Texture { width: 200, height: 200, texels, srgb: false };
+        let blob = Blob::Texture(Arc::new(texture));
+        let (hash, bytes) = (blob.hash(), blob.encode());
+        assert!(bytes.len() > 2 * CHUNK_BYTES);
+        let limits = Limits::default();
+        let mut incoming = Incoming::default();
+        let mut arrived = None;
+        for (i, piece) in bytes.chunks(CHUNK_BYTES).enumerate() {
+            incoming.want(hash);
+            let offset = (i * CHUNK_BYTES) as u32;
+            let chunk = Chunk { hash, total: bytes.len() as u32, offset, data: piece.to_vec() };
+            arrived = incoming.receive(chunk, &limits).unwrap();
+        }
+        assert_eq!(arrived.map(|blob| blob.hash()), Some(hash));
+        assert!(incoming.is_empty() && incoming.bytes == 0);
     }
 }
