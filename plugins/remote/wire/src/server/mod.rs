@@ -295,7 +295,9 @@ impl ServerSession {
     /// Takes light over to be sent; `solve` is the time that it took. What it replaces is dropped.
     pub fn publish(&mut self, _now: Duration, update: &LightingUpdate, solve: Duration) {
         self.solve += solve;
-        self.outbox.publish(update);
+        // Light of a scene without what is still on its way is not the last word.
+        let whole = !self.replica.waits_for_blobs() && !self.replica.has_news();
+        self.outbox.publish(update, whole);
     }
 
     /// The time that encoding took, for the next message.

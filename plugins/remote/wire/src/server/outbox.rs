@@ -93,8 +93,8 @@ pub(super) struct Outbox {
 }
 
 impl Outbox {
-    /// Takes light over.
-    pub(super) fn publish(&mut self, update: &LightingUpdate) {
+    /// Takes light over; `whole`: of the whole scene, nothing of which is still on its way here.
+    pub(super) fn publish(&mut self, update: &LightingUpdate, whole: bool) {
         let snapshot = update.snapshot;
         for placement in &update.placements {
             self.receivers.insert(placement.instance, Receiver::Placed(*placement));
@@ -116,9 +116,11 @@ impl Outbox {
         for grid in &update.grids {
             self.publish_probes(HalfGrid::new(grid), snapshot);
         }
-        if update.snapshot != self.published || update.quality != self.quality {
+        let mut quality = update.quality;
+        quality.converged &= whole;
+        if snapshot != self.published || quality != self.quality {
             self.published = self.published.max(snapshot);
-            self.quality = update.quality;
+            self.quality = quality;
             self.make_due(ItemKey::Head, snapshot);
         }
     }
@@ -234,7 +236,7 @@ impl Outbox {
     /// The next message, to be sent as `transmit`, if something is due and the network takes it.
     pub(super) fn next(&mut self, now: Duration, transmit: TransmitId) -> Option<LightingMessage> {
         self.cancel_late(now);
-        if self.due.is_empty() {
+        if self.due.is_empty() || self.waits_for_the_rest() {
             return None;
         }
         let flying: usize = self.under_way.iter().map(|m| m.bytes).sum();
@@ -263,7 +265,9 @@ impl Outbox {
         }
         message.snapshot = self.complete();
         message.quality = self.quality;
-        message.quality.converged &= message.snapshot == self.published && self.due_count() == 0;
+        message.quality.converged &= message.snapshot == self.published
+            && self.due_count() == 0
+            && self.under_way.is_empty();
         if message.quality != self.quality || message.snapshot != self.published {
             // This was not the last word.
             self.make_due(ItemKey::Head, self.published);
@@ -295,6 +299,12 @@ impl Outbox {
                 run.probes.len() * 54 + SMALL
             }
         }
+    }
+
+    /// Only the last word is left to say, that nothing better will come; it must not overtake light
+    /// that is still on its way.
+    fn waits_for_the_rest(&self) -> bool {
+        self.quality.converged && !self.under_way.is_empty() && self.due_count() == 0
     }
 
     /// Items that are due, the head aside.
