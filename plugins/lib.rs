@@ -5,6 +5,7 @@
 //! | feature | plugin | what |
 //! |---|---|---|
 //! | `gi` (default) | [`gi::GiPlugin`] | global illumination: lightmaps and probes, solved in the background |
+//! | `remote` | `remote::RemotePlugin` | the same, solved on another machine |
 //!
 //! Ten lines bring indirect light into a game:
 //!
@@ -44,6 +45,7 @@ pub use farlight_remote as remote;
 /// |---|---|
 /// | [`core::FarlightCorePlugin`] | shared types, texels into textures |
 /// | [`gi::GiPlugin`] | indirect light |
+/// | `remote::RemotePlugin` | what a lighting server should know of windows and cameras |
 ///
 /// Replace one to configure it:
 ///
@@ -62,6 +64,8 @@ impl PluginGroup for FarlightPlugins {
         let group = PluginGroupBuilder::start::<Self>().add(farlight_core::FarlightCorePlugin);
         #[cfg(feature = "gi")]
         let group = group.add(farlight_gi::GiPlugin::default());
+        #[cfg(feature = "remote")]
+        let group = group.add(farlight_remote::RemotePlugin);
         group
     }
 }
@@ -75,6 +79,8 @@ pub mod prelude {
         GiControl, GiDynamic, GiLightmaps, GiPlugin, GiProbeVolume, GiScene, GiSettings, GiState,
         GiStatus, GiUpdated, GiView, LinkState, LinkStatus,
     };
+    #[cfg(feature = "remote")]
+    pub use farlight_remote::{RemoteBackend, RemoteSettings};
 }
 
 /// The README's code is compiled as an example of the documentation.

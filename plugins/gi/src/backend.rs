@@ -108,19 +108,19 @@ pub struct GiUpdate {
 }
 
 /// Where an update's time went, from the submission of its snapshot to the moment at which it could
-/// be polled. Stages that a backend does not have are zero.
+/// be polled; `None` for what a backend doesn't have, or was not measured for this update.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UpdateTimes {
     /// From the submission until the network had taken the changes over.
-    pub send: Duration,
+    pub send: Option<Duration>,
     /// Solving since the last update.
-    pub solve: Duration,
+    pub solve: Option<Duration>,
     /// From the solver's numbers to what travels, or to what the textures hold.
-    pub encode: Duration,
+    pub encode: Option<Duration>,
     /// On the network, there and back.
-    pub transfer: Duration,
+    pub transfer: Option<Duration>,
     /// From what travelled to what the textures hold.
-    pub decode: Duration,
+    pub decode: Option<Duration>,
 }
 
 /// A rectangle of lightmap texels as RGBA half floats.

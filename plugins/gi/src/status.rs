@@ -68,14 +68,14 @@ pub struct GiTimings {
     pub upload: StageTimes,
     /// All of our systems a frame.
     pub frame: StageTimes,
-    /// From the submission of the update's snapshot until the network had taken it over; zero
-    /// where no network is involved.
+    /// From the submission of a snapshot until the network had taken it over; nothing where no
+    /// network is involved.
     pub send: TimeWindow,
     /// Solving, an update.
     pub solve: TimeWindow,
     /// Encoding an update, for the network or (where none is involved) for the textures.
     pub encode: TimeWindow,
-    /// On the network, there and back, an update; zero where none is involved.
+    /// On the network, there and back, a snapshot; nothing where none is involved.
     pub transfer: TimeWindow,
     /// Decoding an update that came over the network.
     pub decode: TimeWindow,
@@ -114,11 +114,17 @@ impl StageTimes {
 impl GiTimings {
     pub(crate) fn push(&mut self, times: &UpdateTimes) {
         let UpdateTimes { send, solve, encode, transfer, decode } = *times;
-        self.send.push(send);
-        self.solve.push(solve);
-        self.encode.push(encode);
-        self.transfer.push(transfer);
-        self.decode.push(decode);
+        for (window, time) in [
+            (&mut self.send, send),
+            (&mut self.solve, solve),
+            (&mut self.encode, encode),
+            (&mut self.transfer, transfer),
+            (&mut self.decode, decode),
+        ] {
+            if let Some(time) = time {
+                window.push(time);
+            }
+        }
     }
 
     /// Forgets the past, for example when loading is over.

@@ -187,8 +187,8 @@ fn run(shared: &Shared, mut solver: impl Solve) {
         if let Some(update) = update {
             let encoding = Instant::now();
             let mut update = GiUpdate::encode(&update);
-            update.times.solve = std::mem::take(&mut solving);
-            update.times.encode = encoding.elapsed();
+            update.times.solve = Some(std::mem::take(&mut solving));
+            update.times.encode = Some(encoding.elapsed());
             shared.lock().updates.push_back(update);
         }
     }

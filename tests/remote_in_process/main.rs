@@ -1,0 +1,9 @@
+//! A game and a lighting server in one process: over a simulated network in virtual time, and with
+//! Bevy and threads in real time.
+
+mod faults;
+mod outages;
+mod picture;
+mod scene;
+mod stage;
+mod still;
