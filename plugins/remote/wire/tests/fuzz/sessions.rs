@@ -106,7 +106,7 @@ fn scene() -> Vec<SessionChange> {
 fn update(snapshot: u64) -> LightingUpdate {
     let rect = TexelRect { x: 0, y: 0, width: 16, height: 8 };
     let probe = ShRgb(std::array::from_fn(|i| Vec3::splat(1.0 / (1.0 + i as f32))));
-    let value = |i: u64| Vec3::new(1.0, 0.8, 0.6) * (1.0 + (i * snapshot) as f32 * 0.01);
+    let value = |i: u64| Vec3::new(1.0, 0.8, 0.6) * (1.0 + (i * (snapshot % 100)) as f32 * 0.01);
     LightingUpdate {
         snapshot: SnapshotId(snapshot),
         placements: vec![Placement { instance: InstanceId(1), page: PageId(0), rect }],
