@@ -7,7 +7,7 @@ use std::{
 };
 
 use farlight_wire::{
-    ClientHello, CloseCode, Link, LinkEvent, Listener, ServerConfig, ServerSession, Token,
+    ClientHello, CloseCode, Limits, Link, LinkEvent, Listener, ServerConfig, ServerSession, Token,
 };
 use tracing::{debug, info, warn};
 
@@ -22,6 +22,8 @@ use crate::{
 const MAX_WAITING: usize = 64;
 /// How long a wrong token is left without an answer, so that guessing is slow.
 const WRONG_TOKEN_DELAY: Duration = Duration::from_millis(300);
+/// A client that was not heard of for so long (three of its keep-alives) does not keep others out.
+const QUIET: Duration = Duration::from_secs(6);
 /// How often the log sums up.
 const SUMMARY: Duration = Duration::from_secs(60);
 
@@ -106,6 +108,8 @@ impl Door {
     }
 
     fn look_at(&mut self, now: Duration, waiting: &mut Waiting) -> Step {
+        // How many texels it gets is decided later, with a better answer.
+        let limits = Limits { texels: usize::MAX, ..self.house.limits };
         while let Some(event) = if waiting.refused { None } else { waiting.link.poll() } {
             match event {
                 LinkEvent::Opened | LinkEvent::Sent(_) => {}
@@ -114,7 +118,7 @@ impl Door {
                     return Step::Gone;
                 }
                 LinkEvent::Received(channel, message) => {
-                    match ClientHello::read(channel, &message, &self.house.limits) {
+                    match ClientHello::read(channel, &message, &limits) {
                         Ok(hello) if hello.token == self.house.token => {
                             return Step::Greets(Box::new(hello));
                         }
@@ -199,8 +203,8 @@ impl Door {
         })
     }
 
-    /// Whether one more session is possible; the one whose client has been away the longest makes
-    /// room.
+    /// Whether one more session is possible; the one whose client was not heard of for the longest
+    /// makes room.
     fn make_room(&self, now: Duration) -> bool {
         let most = self.house.settings.max_sessions as usize;
         // Solvers of sessions that are over end after their piece of work.
@@ -211,11 +215,15 @@ impl Door {
         if rooms.len() < most {
             return true;
         }
-        let away = rooms.iter().filter_map(|room| Some((room.away_since()?, room)));
+        let quiet = |room: &Room| {
+            let heard = room.last_heard().filter(|heard| now.saturating_sub(*heard) >= QUIET);
+            room.away_since().or(heard)
+        };
+        let away = rooms.iter().filter_map(|room| Some((quiet(room)?, room)));
         let Some((since, room)) = away.min_by_key(|(since, _)| *since) else { return false };
         let seconds = now.saturating_sub(since).as_secs();
         self.house.remove(room);
-        room.end(CloseCode::Full, &format!("it makes room, its client is away for {seconds} s"));
+        room.end(CloseCode::Full, &format!("it makes room, its client is silent for {seconds} s"));
         true
     }
 

@@ -5,8 +5,10 @@ use std::{
     time::{Duration, Instant},
 };
 
-use farlight_wire::{Channel, CloseCode, Closed, Link, LinkEvent, LinkStats, ServerEvent};
-use tracing::{debug, info, warn};
+use farlight_wire::{
+    Channel, CloseCode, Closed, Link, LinkEvent, LinkStats, SceneSize, ServerEvent,
+};
+use tracing::{info, warn};
 
 use crate::{
     bell::lock,
@@ -271,10 +273,11 @@ impl Driver {
         let address = self.line.as_ref().map_or("", |line| &line.address);
         let at = if address.is_empty() { "" } else { " at " };
         let (room, why) = (&self.room, &end.why);
+        let SceneSize { objects, triangles, .. } = size;
         if end.warn {
-            warn!("{room}{at}{address} ends: {why} ({size})");
+            warn!("{room}{at}{address} ends: {why} ({objects} objects, {triangles} triangles)");
         } else {
-            info!("{room}{at}{address} ends: {why} ({size})");
+            info!("{room}{at}{address} ends: {why} ({objects} objects, {triangles} triangles)");
         }
         if let Some(mut line) = self.line.take() {
             line.link.close(end.code, &end.why);
@@ -283,6 +286,7 @@ impl Driver {
         while let Some(mut guest) = self.room.next_guest() {
             guest.link.close(CloseCode::Failed, "the session has just ended");
         }
-        debug!("{room} is over");
+        self.room.clear();
+        self.house.trim();
     }
 }

@@ -10,10 +10,12 @@ use std::{
 };
 
 use farlight_gi_solver::session::{SessionSettings, SnapshotId};
-use farlight_wire::{BlobStore, CloseCode, Limits, Link, ServerSession, SessionKey, Token};
+use farlight_wire::{
+    BlobStore, CloseCode, Limits, Link, SceneSize, ServerConfig, ServerSession, SessionKey, Token,
+};
 
 use crate::{
-    SceneSize, SolverFactory,
+    SolverFactory,
     bell::{Bell, lock},
     settings::ServerSettings,
 };
@@ -81,6 +83,11 @@ impl House {
     /// No client finds the session any more.
     pub(crate) fn remove(&self, room: &Arc<Room>) {
         lock(&self.rooms).retain(|other| !Arc::ptr_eq(room, other));
+    }
+
+    /// Lets go of meshes and images that were kept for sessions that are over.
+    pub(crate) fn trim(&self) {
+        self.blobs.trim();
     }
 
     /// The session with a key.
@@ -174,6 +181,13 @@ impl Room {
         }
     }
 
+    /// Frees what the session holds of its scene.
+    pub(crate) fn clear(&self) {
+        let config = ServerConfig::default();
+        let empty = ServerSession::new(self.key, self.settings.clone(), config);
+        drop(std::mem::replace(&mut *lock(&self.wire), empty));
+    }
+
     /// Hands a client over to the session; gives it back where the session is over or about to be.
     pub(crate) fn enter(&self, guest: Guest) -> Result<(), Guest> {
         {
@@ -215,6 +229,11 @@ impl Room {
     pub(crate) fn away_since(&self) -> Option<Duration> {
         let mail = lock(&self.mail);
         if mail.guests.is_empty() { lock(&self.progress).away_since } else { None }
+    }
+
+    /// When the client was last heard of over its present connection.
+    pub(crate) fn last_heard(&self) -> Option<Duration> {
+        lock(&self.wire).last_heard()
     }
 
     pub(crate) fn task(&self) -> MutexGuard<'_, Task> {

@@ -20,13 +20,11 @@ mod house;
 mod report;
 mod server;
 mod settings;
-mod size;
 mod stepped;
 mod worker;
 
 pub use report::SessionReport;
 pub use server::Server;
 pub use settings::{ServerSettings, SettingsError};
-pub use size::SceneSize;
 pub use stepped::SteppedServer;
 pub use worker::{Solve, SolverFactory};

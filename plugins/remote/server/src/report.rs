@@ -3,8 +3,9 @@
 use std::time::Duration;
 
 use farlight_gi_solver::session::SnapshotId;
+use farlight_wire::SceneSize;
 
-use crate::{SceneSize, bell::lock, house::Room};
+use crate::{bell::lock, house::Room};
 
 /// A session as it is now.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -36,7 +36,8 @@ pub struct ServerSettings {
     /// `%APPDATA%\farlight`.
     pub state: PathBuf,
     /// Sessions at the same time, those that wait for their client to come back included, 1 to 1024.
-    /// Where there are as many, the one whose client has been away the longest makes room. Default 8.
+    /// Where there are as many, the one whose client has been silent the longest makes room if that
+    /// is at least 6 seconds, or its connection is lost. Default 8.
     pub max_sessions: u32,
     /// Threads that solve a session, 0 to 1024; 0 is one fewer than there are cores. The system
     /// shares its cores among all sessions. Default 0.

@@ -14,7 +14,6 @@ use farlight_gi_solver::session::{
 use crate::{
     bell::lock,
     house::{House, Room, Task},
-    size::Measure,
 };
 
 /// What solves light: a solver [`Session`], or a stand-in.
@@ -50,7 +49,6 @@ pub(crate) struct Worker {
     room: Arc<Room>,
     /// Made at the first piece of work.
     solver: Option<Box<dyn Solve>>,
-    measure: Measure,
     /// Time of solving since the last update.
     solving: Duration,
     /// The newest snapshot that the solver has, and the newest that it has answered.
@@ -61,6 +59,7 @@ pub(crate) struct Worker {
 impl Drop for Worker {
     fn drop(&mut self) {
         self.solver = None;
+        self.house.trim();
         self.house.solvers.fetch_sub(1, Ordering::Relaxed);
     }
 }
@@ -72,7 +71,6 @@ impl Worker {
             house,
             room,
             solver: None,
-            measure: Measure::default(),
             solving: Duration::ZERO,
             newest: SnapshotId::default(),
             answered: SnapshotId::default(),
@@ -134,14 +132,14 @@ impl Worker {
         loop {
             let next = lock(&self.room.wire).take_changes();
             let Some((snapshot, changes)) = next else { break };
-            self.measure.follow(&changes);
             self.newest = self.newest.max(snapshot);
             solver.apply(snapshot, changes);
             applied = true;
         }
         if applied {
+            let size = lock(&self.room.wire).scene_size();
             let mut progress = lock(&self.room.progress);
-            progress.size = self.measure.size();
+            progress.size = size;
             progress.converged = false;
         }
         let update = solver.step();
