@@ -3,13 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use farlight_gi_solver::settings::GiSettings;
+use farlight_server::ServerSettings;
+use serde::de::DeserializeOwned;
 
 use crate::error::{CliError, read_text};
 
 /// Check a configuration file
 ///
 /// The name of the file's outer struct tells what it is: GiSettings(...) holds the settings of
-/// global illumination. Unknown fields, values of the wrong type and values out of range are errors
+/// global illumination, ServerSettings(...) those of a lighting server. Unknown fields, values of the wrong type and values out of range are errors
 /// that name the file, the line and the field.
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -19,7 +21,10 @@ pub(crate) struct Args {
 }
 
 /// What can be checked: the outer name, and how.
-const KINDS: [(&str, fn(&Path, &str) -> Result<(), CliError>); 1] = [("GiSettings", gi_settings)];
+const KINDS: [(&str, fn(&Path, &str) -> Result<(), CliError>); 2] = [
+    ("GiSettings", gi_settings),
+    ("ServerSettings", |path, text| server_settings(path, text).map(drop)),
+];
 
 /// Runs the subcommand.
 pub(crate) fn run(args: &Args) -> Result<(), CliError> {
@@ -55,14 +60,31 @@ fn check(path: &Path, text: &str) -> Result<&'static str, CliError> {
 }
 
 fn gi_settings(path: &Path, text: &str) -> Result<(), CliError> {
-    let settings: GiSettings = ron::from_str(text).map_err(|e| {
+    let settings: GiSettings = parse(path, text)?;
+    settings.validate().map_err(|e| out_of_range(path, text, e.field, &e))
+}
+
+/// Reads and checks the settings of a server.
+pub(crate) fn server_settings(path: &Path, text: &str) -> Result<ServerSettings, CliError> {
+    let settings: ServerSettings = parse(path, text)?;
+    match settings.validate() {
+        Ok(()) => Ok(settings),
+        Err(e) => Err(out_of_range(path, text, e.field, &e)),
+    }
+}
+
+fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, CliError> {
+    ron::from_str(text).map_err(|e| {
         let start = e.span.start;
         CliError::in_file(path, format_args!("{}:{}", start.line, start.col), &e.code)
-    })?;
-    settings.validate().map_err(|e| match line_of(text, e.field) {
-        Some(line) => CliError::in_file(path, line, &e),
-        None => CliError::in_file(path, " ", &e),
     })
+}
+
+fn out_of_range(path: &Path, text: &str, field: &str, what: &dyn std::fmt::Display) -> CliError {
+    match line_of(text, field) {
+        Some(line) => CliError::in_file(path, line, what),
+        None => CliError::in_file(path, " ", what),
+    }
 }
 
 /// The first identifier after white space, comments and `#![...]` attributes, with its line; empty
@@ -113,6 +135,7 @@ mod tests {
         assert_eq!(result("GiSettings()"), Ok("GiSettings"));
         let text = "#![enable(implicit_some)]\n// mine\n/* a\nb */ GiSettings(\n bounces: 4,\n)";
         assert_eq!(result(text), Ok("GiSettings"));
+        assert_eq!(result("ServerSettings(max_sessions: 2)"), Ok("ServerSettings"));
     }
 
     #[test]
@@ -124,9 +147,13 @@ mod tests {
         let error = result("GiSettings(\n  seed: \"x\",\n)").unwrap_err();
         assert!(error.starts_with("gi.ron:2:"), "{error}");
         let error = result("\n\nSkySettings()").unwrap_err();
-        assert_eq!(error, "gi.ron:3: unknown kind SkySettings; known: GiSettings");
+        assert_eq!(error, "gi.ron:3: unknown kind SkySettings; known: GiSettings, ServerSettings");
         let error = result("(bounces: 4)").unwrap_err();
         assert!(error.starts_with("gi.ron:1:") && error.contains("GiSettings"), "{error}");
+        let error = result("ServerSettings(\n  listen: \"x\",\n)").unwrap_err();
+        assert!(error.starts_with("gi.ron:2:"), "{error}");
+        let error = result("ServerSettings(\n  max_sessions: 0,\n)").unwrap_err();
+        assert_eq!(error, "gi.ron:2: max_sessions is 0, must be 1 to 1024");
         assert!(result("").is_err() && result("/* never closed").is_err());
     }
 }

@@ -5,6 +5,7 @@ mod check;
 mod error;
 mod job;
 mod output;
+mod serve;
 
 use std::process::ExitCode;
 
@@ -26,12 +27,14 @@ struct Cli {
 enum Command {
     Bake(bake::Args),
     Check(check::Args),
+    Serve(serve::Args),
 }
 
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Bake(args) => bake::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Serve(args) => serve::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
