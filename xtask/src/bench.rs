@@ -7,18 +7,21 @@ use crate::{Failure, environment, process, reference, soak};
 pub(crate) const HELP: &str = "\
 cargo xtask bench [tracing] [--no-install] [-- OPTIONS]
 cargo xtask bench reference [--samples N] [--no-install]
-cargo xtask bench soak [--minutes N] [--no-install]
+cargo xtask bench soak [server | demo] [--minutes N | --seconds N] [--no-install]
 
   tracing        rays per second on one core, ours beside Embree's where it is installed (Debian's
                  libembree-dev), coherent and incoherent, closest and any hits; the scene is a
                  real room if FARLIGHT_TEST_DATA names the folder with it, else a generated one
   reference      bakes two scenes and compares irradiance, probes and visibility with those of an
                  independent renderer, in the folder that FARLIGHT_TEST_DATA names
-  soak           runs the demo headless for ten minutes and watches the memory of its process; fails
-                 if it grows after the second fifth of the time
+  soak server    runs `farlight serve` and clients that come, get light, leave in every way, come back
+                 or send garbage, for ten minutes, and watches the memory of the server's process;
+                 fails if it grows after the second fifth of the time, or a client got no light
+  soak demo      the same for the demo, run headless
+  soak           both, one after the other
 
   --samples N    paths a receiver (default 65536)
-  --minutes N    how long to soak (default 10)
+  --minutes N    how long to soak (default 10); or --seconds N
   --no-install   only name missing system packages
   -- ...         is given to the benchmark or the demo
 ";
@@ -44,13 +47,28 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
             reference::run(samples)
         }
         Some("soak") => {
-            let minutes = args.parsed::<f64>("--minutes", "a number of minutes")?.unwrap_or(10.0);
-            if !(minutes > 0.0 && minutes <= 24.0 * 60.0) {
-                return Err("--minutes must be above 0 and at most a day.".to_owned());
+            let (server, demo) = match args.command().as_deref() {
+                None => (true, true),
+                Some("server") => (true, false),
+                Some("demo") => (false, true),
+                Some(other) => return Err(format!("there is no soak '{other}': server, demo.")),
+            };
+            let minutes = args.parsed::<f64>("--minutes", "a number of minutes")?;
+            let seconds = args.parsed::<f64>("--seconds", "a number of seconds")?;
+            let seconds = seconds.unwrap_or(minutes.unwrap_or(10.0) * 60.0);
+            if !(seconds > 0.0 && seconds <= 24.0 * 3600.0) {
+                return Err("a soak takes more than nothing and at most a day.".to_owned());
             }
             let rest = args.finish()?;
-            setup::prepare(&[Purpose::Build, Purpose::Render], install);
-            soak::run(minutes * 60.0, &rest)
+            let purposes = [Purpose::Build, Purpose::Render];
+            setup::prepare(&purposes[..if demo { 2 } else { 1 }], install);
+            if server {
+                soak::server::run(seconds)?;
+            }
+            if demo {
+                soak::demo::run(seconds, &rest)?;
+            }
+            Ok(())
         }
         Some(other) => Err(format!("there is no benchmark '{other}': tracing, reference, soak.")),
     }

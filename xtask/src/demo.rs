@@ -102,7 +102,7 @@ pub(crate) fn build() -> Result<PathBuf, Failure> {
 }
 
 /// The program that a JSON message of cargo names (field `executable` of `compiler-artifact`).
-fn executable(message: &str) -> Option<PathBuf> {
+pub(crate) fn executable(message: &str) -> Option<PathBuf> {
     let (_, rest) = message.split_once("\"executable\":\"")?;
     let (path, _) = rest.split_once('"')?;
     // The only escapes in a path are Windows' separators.

@@ -35,7 +35,7 @@ cargo xtask COMMAND [OPTIONS]
   demo     build and run the demo, a room with global illumination (in a window or headless)
   test     every test of the workspace, and a list of what was skipped and why
   ci       what runs before a change is merged: format, lints, docs, features, targets, tests
-  bench    rays per second beside Embree; `bench soak`: ten minutes of the demo, watching memory
+  bench    rays per second beside Embree; `bench soak`: ten minutes of the server and of the demo
   fuzz     damaged and random input for every decoder, longer than the tests do
   setup    only look for missing system packages, and install them
   prune    bound the size of a build folder that several checkouts share

@@ -1,42 +1,64 @@
-//! The demo under observation: does the memory of its process grow?
-//!
-//! The program counts its own allocations and reports them; here the process is looked at from
-//! outside, so that what the allocator, the driver or a library keeps is seen too.
+//! Programs under observation for minutes: does the memory of a process grow?
 
-use std::io::{BufRead as _, BufReader};
-use std::process::Stdio;
+pub(crate) mod demo;
+pub(crate) mod server;
+
+use std::process::{Child, Command, ExitStatus};
 use std::time::{Duration, Instant};
 
-use crate::{Failure, demo, process};
+use crate::{Failure, process};
 
 /// Growth of the resident memory that counts as noise of allocator and driver, in bytes.
 const TOLERANCE: f64 = 8.0 * 1024.0 * 1024.0;
 
-/// Runs the demo headless for `seconds` and fails if its memory grows. Its own output, the report
-/// of its allocations included, is passed on.
-pub(crate) fn run(seconds: f64, rest: &[String]) -> Result<(), Failure> {
-    let program = demo::build()?;
-    let mut command = demo::command(&program, true);
-    command.args(["--soak", &format!("{seconds:.0}")]).args(rest).stdout(Stdio::piped());
-    println!("$ {}", process::shown(&command));
-    process::flush();
+/// A child that does not outlive us when something fails.
+pub(crate) struct Running(Child);
+
+impl Running {
+    pub(crate) fn id(&self) -> u32 {
+        self.0.id()
+    }
+
+    /// How it ended, if it has.
+    pub(crate) fn has_ended(&mut self) -> Result<Option<ExitStatus>, Failure> {
+        self.0.try_wait().map_err(|error| format!("a process can't be watched: {error}."))
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // Both fail where it has ended already, which is fine.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Starts a program; `name` is for errors.
+pub(crate) fn spawn(command: &mut Command, name: &str) -> Result<Running, Failure> {
+    command.spawn().map(Running).map_err(|error| format!("{name}: {error}."))
+}
+
+/// How the memory of a process went.
+pub(crate) struct Watched {
+    samples: Vec<Sample>,
+    time: Duration,
+}
+
+/// Waits until a program ends, which must be without an error, and looks at the resident memory of the
+/// process `id` meanwhile.
+pub(crate) fn watch(program: &mut Running, name: &str, id: u32) -> Result<Watched, Failure> {
     let start = Instant::now();
-    let mut child = command.spawn().map_err(|error| format!("the demo: {error}."))?;
-    let output = child.stdout.take().map(|stream| {
-        std::thread::spawn(move || {
-            for line in BufReader::new(stream).lines().map_while(Result::ok) {
-                println!("{line}");
-            }
-        })
-    });
     let mut samples = Vec::new();
     let mut announced = 0;
-    let status = loop {
-        if let Some(status) = child.try_wait().map_err(|error| format!("the demo: {error}."))? {
-            break status;
+    loop {
+        if let Some(status) = program.has_ended()? {
+            if !status.success() {
+                return Err(format!("{name} failed ({status})."));
+            }
+            return Ok(Watched { samples, time: start.elapsed() });
         }
         let at = start.elapsed().as_secs_f64();
-        if let Some(bytes) = resident_bytes(child.id()) {
+        if let Some(bytes) = resident_bytes(id) {
             samples.push(Sample { at, bytes: bytes as f64 });
             if at as u64 / 60 >= announced {
                 println!("  {:5.0} s  {:7.1} MiB resident", at, mebibytes(bytes as f64));
@@ -45,31 +67,31 @@ pub(crate) fn run(seconds: f64, rest: &[String]) -> Result<(), Failure> {
             }
         }
         std::thread::sleep(Duration::from_millis(500));
-    };
-    if let Some(output) = output {
-        let _ = output.join();
     }
-    if !status.success() {
-        return Err(format!("the demo failed ({status})."));
+}
+
+impl Watched {
+    /// Says how the memory went, and fails if it grows.
+    pub(crate) fn judge(&self, name: &str) -> Result<(), Failure> {
+        if !cfg!(target_os = "linux") {
+            println!("SKIPPED: memory of {name}: it is read from /proc, which this system lacks.");
+            return Ok(());
+        }
+        let growth = growth(&self.samples)
+            .ok_or_else(|| format!("{name} ended after {:.0?}.", self.time))?;
+        println!(
+            "Resident memory of {name}: median {:.1} MiB in the second fifth of the time, {:.1} MiB \
+             in the last, growth {:+.2} MiB (tolerance {:.0} MiB).",
+            mebibytes(growth.early),
+            mebibytes(growth.late),
+            mebibytes(growth.late - growth.early),
+            mebibytes(TOLERANCE),
+        );
+        if growth.late - growth.early > TOLERANCE {
+            return Err(format!("the memory of {name} grows."));
+        }
+        Ok(())
     }
-    if !cfg!(target_os = "linux") {
-        println!("Resident memory is read from /proc, which this system lacks.");
-        return Ok(());
-    }
-    let growth =
-        growth(&samples).ok_or_else(|| format!("the demo ended after {:.0?}.", start.elapsed()))?;
-    println!(
-        "Resident memory: median {:.1} MiB in the second fifth of the time, {:.1} MiB in the last, \
-         growth {:+.2} MiB (tolerance {:.0} MiB).",
-        mebibytes(growth.early),
-        mebibytes(growth.late),
-        mebibytes(growth.late - growth.early),
-        mebibytes(TOLERANCE),
-    );
-    if growth.late - growth.early > TOLERANCE {
-        return Err("memory grows.".to_owned());
-    }
-    Ok(())
 }
 
 /// Resident memory at a time after the start.
