@@ -14,7 +14,7 @@ use farlight_gi_solver::{
 use crate::{
     Blob, BlobHash,
     codec::Writer,
-    message::{Object, ObjectKey, SkyObject, SnapshotPart, write_change},
+    message::{Object, ObjectKey, SkyObject, SnapshotPart, is_readable, write_change},
 };
 
 /// Snapshots that may be on their way. More are not sent: what changes meanwhile is collected.
@@ -44,7 +44,12 @@ impl Mirror {
         self.news = true;
         for change in changes {
             let (key, object) = self.object(change);
-            self.set(key, object);
+            // What the server would refuse, and end the connection for, does not exist for it.
+            let readable = object.as_ref().is_none_or(|object| is_readable(&key, object));
+            if !readable && let Some(hash) = object.as_ref().and_then(Object::blob) {
+                self.release(hash);
+            }
+            self.set(key, object.filter(|_| readable));
         }
     }
 
@@ -82,13 +87,13 @@ impl Mirror {
             SceneChange::SetMesh(id, mesh) => {
                 let key = ObjectKey::Mesh(id);
                 let hash = self.retain(&key, Blob::Mesh(mesh));
-                (key, Some(Object::Mesh(hash)))
+                (key, hash.map(Object::Mesh))
             }
             SceneChange::RemoveMesh(id) => (ObjectKey::Mesh(id), None),
             SceneChange::SetTexture(id, texture) => {
                 let key = ObjectKey::Texture(id);
                 let hash = self.retain(&key, Blob::Texture(texture));
-                (key, Some(Object::Texture(hash)))
+                (key, hash.map(Object::Texture))
             }
             SceneChange::RemoveTexture(id) => (ObjectKey::Texture(id), None),
             SceneChange::SetMaterial(id, material) => {
@@ -103,26 +108,24 @@ impl Mirror {
             SceneChange::RemoveLight(id) => (ObjectKey::Light(id), None),
             SceneChange::SetSky(sky) => {
                 let sky = match sky {
-                    Sky::Constant(radiance) => SkyObject::Constant(radiance),
-                    Sky::Image { image, rotation, scale } => {
-                        let image = self.retain(&ObjectKey::Sky, Blob::Sky(image));
-                        SkyObject::Image { image, rotation, scale }
-                    }
+                    Sky::Constant(radiance) => Some(SkyObject::Constant(radiance)),
+                    Sky::Image { image, rotation, scale } => self
+                        .retain(&ObjectKey::Sky, Blob::Sky(image))
+                        .map(|image| SkyObject::Image { image, rotation, scale }),
                 };
-                (ObjectKey::Sky, Some(Object::Sky(sky)))
+                (ObjectKey::Sky, sky.map(Object::Sky))
             }
         }
     }
 
     /// Counts a blob that an object is going to name. What the object names already is not hashed
-    /// again.
-    fn retain(&mut self, key: &ObjectKey, blob: Blob) -> BlobHash {
+    /// again. `None`: no server takes it.
+    fn retain(&mut self, key: &ObjectKey, blob: Blob) -> Option<BlobHash> {
         let named = self.objects.get(key).and_then(Object::blob);
-        let hash = named
-            .filter(|hash| self.blobs.get(hash).is_some_and(|(old, _)| same(old, &blob)))
-            .unwrap_or_else(|| blob.hash());
+        let named = named.filter(|hash| self.blobs.get(hash).is_some_and(|(b, _)| same(b, &blob)));
+        let hash = named.or_else(|| blob.check().is_ok().then(|| blob.hash()))?;
         self.blobs.entry(hash).or_insert((blob, 0)).1 += 1;
-        hash
+        Some(hash)
     }
 
     fn release(&mut self, hash: BlobHash) {

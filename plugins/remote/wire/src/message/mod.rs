@@ -13,7 +13,7 @@ mod scene;
 mod service;
 
 pub(crate) use change::{Object, ObjectKey, SkyObject};
-pub(crate) use scene::write_change;
+pub(crate) use scene::{is_readable, write_change};
 pub(crate) use service::{Service, agree};
 
 use farlight_gi_solver::session::SnapshotId;

@@ -67,6 +67,13 @@ pub(crate) fn write_change(w: &mut Writer, key: &ObjectKey, object: Option<&Obje
     w.bytes(&state.finish());
 }
 
+/// Whether the other side will take an object: its numbers are finite where they must be.
+pub(crate) fn is_readable(key: &ObjectKey, object: &Object) -> bool {
+    let mut state = Writer::default();
+    write_state(&mut state, object);
+    read_state(key, &state.finish()).is_ok()
+}
+
 fn write_state(w: &mut Writer, object: &Object) {
     match object {
         Object::Texture(hash) | Object::Mesh(hash) => w.raw(&hash.0),

@@ -126,7 +126,7 @@ type Messages = Vec<(Channel, Vec<u8>)>;
 
 /// A fair conversation: what the client sent after its greeting, and what the server sent.
 fn conversation() -> (Messages, Messages) {
-    let (mut client, mut server, mut store) = (client(), server(), BlobStore::new(1 << 20));
+    let (mut client, mut server, store) = (client(), server(), BlobStore::new(1 << 20));
     let (mut from_client, mut from_server) = (Vec::new(), Vec::new());
     client.submit(Duration::ZERO, SnapshotId(1), scene());
     client.connected(Duration::ZERO);
@@ -157,7 +157,7 @@ fn conversation() -> (Messages, Messages) {
         }
         while let Some(transmit) = client.poll_transmit(now) {
             client.sent(now, transmit.id);
-            server.receive(now, transmit.channel, &transmit.message, &mut store).expect("fair");
+            server.receive(now, transmit.channel, &transmit.message, &store).expect("fair");
             from_client.push((transmit.channel, transmit.message));
         }
         if let Some((snapshot, _)) = server.take_changes() {
@@ -236,12 +236,12 @@ fn check_memory(message: &[u8], peak: usize) {
 fn fuzz_server_session() {
     let (fair, _) = conversation();
     mutate::fuzz("server_session", 1_500, corpus(&fair), |random, input| {
-        let (mut server, mut store) = (server(), BlobStore::new(1 << 20));
+        let (mut server, store) = (server(), BlobStore::new(1 << 20));
         server.attach(Duration::ZERO, random.once_in(2));
         let mut accepted = true;
         for (i, (channel, message)) in script(random, &fair, input).into_iter().enumerate() {
             let now = Duration::from_millis(30 * i as u64);
-            let receive = || server.receive(now, channel, &message, &mut store);
+            let receive = || server.receive(now, channel, &message, &store);
             let (result, peak) = memory::peak(receive);
             check_memory(&message, peak);
             if random.once_in(3)

@@ -341,3 +341,41 @@ fn a_snapshot_that_needs_several_messages_is_named_by_the_last() {
     }
     assert!(messages >= 1);
 }
+
+/// One NaN in an asset must not end the connection: what no server takes is not there for it.
+#[test]
+fn what_no_server_takes_is_left_out() {
+    let mut pair = Pair::new();
+    pair.connect(true);
+    let scene = SessionChange::Scene;
+    let mut broken = Mesh::clone(&mesh(1));
+    broken.normals = vec![Vec3::NAN; broken.positions.len()];
+    let material = Material { metallic: f32::NAN, ..Default::default() };
+    let image = Arc::new(SkyImage { width: 1, height: 1, texels: vec![Vec3::ONE] });
+    let sky = Sky::Image { image, rotation: Quat::IDENTITY, scale: f32::INFINITY };
+    let texture = Texture { width: 5, height: 5, texels: vec![[0; 4]; 3], srgb: true };
+    let changes = vec![
+        set_mesh(1, 0),
+        set_mesh(2, 2),
+        scene(SceneChange::SetMaterial(MaterialId(1), Material::default())),
+        set_light(1, 1.0),
+    ];
+    pair.client.submit(pair.now, SnapshotId(1), changes);
+    pair.settle();
+    let changes = vec![
+        scene(SceneChange::SetMesh(MeshId(2), Arc::new(broken))),
+        scene(SceneChange::SetMaterial(MaterialId(1), material)),
+        scene(SceneChange::SetTexture(TextureId(1), Arc::new(texture))),
+        scene(SceneChange::SetSky(sky)),
+        set_instance(1, 1, f32::INFINITY),
+        set_instance(2, 2, 1.0),
+        set_light(2, 2.0),
+    ];
+    pair.client.submit(pair.now, SnapshotId(2), changes);
+    pair.settle();
+    assert!(pair.client.state().in_sync);
+    assert_eq!(pair.solver.meshes.keys().copied().collect::<Vec<_>>(), [MeshId(1)]);
+    assert_eq!(pair.solver.instances.keys().copied().collect::<Vec<_>>(), [InstanceId(2)]);
+    assert!(pair.solver.materials.is_empty() && pair.solver.textures.is_empty());
+    assert_eq!((pair.solver.lights.len(), &pair.solver.sky), (2, &Sky::default()));
+}
