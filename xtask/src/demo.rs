@@ -4,19 +4,26 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::args::Args;
+use crate::lighting_server::LightingServer;
 use crate::setup::{self, Purpose};
 use crate::{Failure, environment, process};
 
-/// The example that is the demo.
-const EXAMPLE: &str = "local_room";
+/// The example that asks a lighting server, and the server's program.
+const REMOTE: &str = "remote_room";
+const SERVER: &str = "farlight";
+/// The example that solves the light in its own process.
+const LOCAL: &str = "local_room";
 
 pub(crate) const HELP: &str = "\
-cargo xtask demo [--no-install] [-- OPTIONS OF THE DEMO]
-cargo xtask demo --headless --out DIR [--frames N] [--size WxH] [--no-install]
+cargo xtask demo [--local] [--no-install] [-- OPTIONS OF THE DEMO]
+cargo xtask demo --headless --out DIR [--frames N] [--size WxH] [--local] [--no-install]
 
-Looks for missing system packages, builds the example `local_room`, and runs it: a bright and a dark
-room, a doorway between them, and a light that moves. In a window the keys are on screen.
+Looks for missing system packages, builds the command `farlight` and the example `remote_room`, starts
+`farlight serve` as a process of its own and the example as another: a bright and a dark room, a
+doorway between them, and a light that moves. The game sends the scene over loopback and gets its
+light back; the server stops when the game does. In a window the keys are on screen.
 
+  --local        no server: the example `local_room`, which solves in a thread of its own
   --headless     render without a window; writes direct-only.png, indirect.png, reference.png and
                  report.json, and fails if no update of the light arrived or the pictures are black
   --out DIR      where to (with --headless; default: demo/ in the build folder)
@@ -26,11 +33,13 @@ room, a doorway between them, and a light that moves. In a window the keys are o
   -- ...         is given to the demo; `cargo xtask demo -- --help` shows its options
 
 It builds what `cargo xtask test` builds (same profile, same features), so the engine is compiled
-once: some ten minutes on two cores the first time, seconds after that.
+once: some ten minutes on two cores the first time, seconds after that. The server's authority, its
+token and its log are in demo-server/ in the build folder; nothing is written elsewhere.
 ";
 
 pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
     let install = !args.flag("--no-install");
+    let local = args.flag("--local");
     let headless = args.flag("--headless");
     let out = args.value("--out")?;
     let frames = args.parsed::<u32>("--frames", "a number of frames")?;
@@ -56,14 +65,25 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
 
     let purpose = if headless { Purpose::Render } else { Purpose::Window };
     setup::prepare(&[Purpose::Build, Purpose::Render, purpose], install);
-    let program = build()?;
-    let asks_for_help = options.iter().any(|option| option == "--help");
+    let example = if local { LOCAL } else { REMOTE };
+    let [program, server] = build_both([example, SERVER])?;
+    let asks_for_help = options.iter().any(|option| option == "--help" || option == "-h");
     if !headless && !asks_for_help && !has_display() {
         return Err("there is no display (DISPLAY is not set). Without one: \
                     cargo xtask demo --headless --out DIR"
             .to_owned());
     }
-    process::run(command(&program, headless).args(options))
+    let mut game = command(&program, headless);
+    if local || asks_for_help {
+        return process::run(game.args(options));
+    }
+    // In the build folder, wherever cargo has it: beside debug/ or release/.
+    let build = server.parent().and_then(Path::parent);
+    let folder = build.map_or_else(environment::target_dir, Path::to_path_buf).join("demo-server");
+    let mut server = LightingServer::start(&server, &folder)?;
+    let played = process::run(game.arg("--server-file").arg(server.invitation()).args(options));
+    // If the server ended first, that is the reason of whatever the game says.
+    server.check().and(played)
 }
 
 /// The demo's program, ready to be given options.
@@ -79,26 +99,34 @@ pub(crate) fn command(program: &Path, headless: bool) -> Command {
     command
 }
 
-/// Builds the demo and returns its program.
+/// Builds the demo that needs no server, and returns its program.
+pub(crate) fn build() -> Result<PathBuf, Failure> {
+    build_both([LOCAL, SERVER]).map(|[program, _]| program)
+}
+
+/// Builds an example and a command and returns their programs.
 ///
 /// `cargo run` knows no `--workspace`, and without it cargo resolves the features of the umbrella
 /// alone, which builds the engine a second time; so cargo builds, and we run.
-pub(crate) fn build() -> Result<PathBuf, Failure> {
+fn build_both(names: [&str; 2]) -> Result<[PathBuf; 2], Failure> {
     let mut cargo = process::cargo();
-    cargo.args(["build", "--workspace", "--example", EXAMPLE]);
+    cargo.args(["build", "--workspace", "--example", names[0], "--bin", names[1]]);
     cargo.arg("--message-format=json-render-diagnostics");
-    let mut program = None;
+    let mut programs = [const { None }; 2];
     let built = process::run_by_line(&mut cargo, |line| {
         if let Some(path) = executable(line)
-            && path.file_stem().is_some_and(|stem| stem == EXAMPLE)
+            && let Some(i) = names.iter().position(|name| path.file_stem() == Some(name.as_ref()))
         {
-            program = Some(path);
+            programs[i] = Some(path);
         }
     })?;
     if !built {
         return Err("the demo does not build (see above).".to_owned());
     }
-    program.ok_or_else(|| "cargo did not say where it built the demo.".to_owned())
+    let [Some(example), Some(command)] = programs else {
+        return Err("cargo did not say where it built the demo.".to_owned());
+    };
+    Ok([example, command])
 }
 
 /// The program that a JSON message of cargo names (field `executable` of `compiler-artifact`).

@@ -13,6 +13,7 @@ mod demo;
 mod documents;
 mod environment;
 mod fuzz;
+mod lighting_server;
 mod manifest;
 mod process;
 mod prune;
@@ -32,7 +33,7 @@ type Failure = String;
 const HELP: &str = "\
 cargo xtask COMMAND [OPTIONS]
 
-  demo     build and run the demo, a room with global illumination (in a window or headless)
+  demo     build and run the demo, a room lit by a server of its own (in a window or headless)
   test     every test of the workspace, and a list of what was skipped and why
   ci       what runs before a change is merged: format, lints, docs, features, targets, tests
   bench    rays per second beside Embree; `bench soak`: ten minutes of the server and of the demo

@@ -31,7 +31,7 @@ EXAMPLES
 
 const SERVER_HELP: &str = "\
     --server INVITE   the server, as `farlight serve` prints it: farlight://HOST:PORT/#TOKEN.SHA256
-    --server-file F   the same, read from a file; waits up to 10 s for the file
+    --server-file F   the same, read from a file, which need not be there yet
                       (SERVER in the lines above and below is one of these two)
 ";
 

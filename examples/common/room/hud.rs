@@ -1,7 +1,13 @@
 //! Keys, and what is on screen about them.
 
+use std::time::Duration;
+
 use bevy::prelude::*;
-use farlight::prelude::*;
+use farlight::{
+    core::TimeWindow,
+    gi::{LinkState, LinkStatus},
+    prelude::*,
+};
 
 use super::{
     motion::Traveller,
@@ -96,6 +102,43 @@ fn toggled(view: GiView, other: GiView) -> GiView {
     if view == other { GiView::Full } else { other }
 }
 
+/// What the panel showed last.
+#[derive(Default)]
+pub struct Last {
+    /// When, in seconds since the start.
+    at: f32,
+    /// Lighting updates.
+    updates: u64,
+    /// Bytes from the server.
+    received: u64,
+}
+
+/// Lines about the connection to a lighting server.
+fn link_text(link: &LinkStatus, bytes_per_s: f32, latency: &TimeWindow) -> String {
+    let ms = |time: Duration| format!("{:.1} ms", time.as_secs_f32() * 1e3);
+    let state = match &link.state {
+        LinkState::Connecting => "connecting".into(),
+        LinkState::Connected => "connected".into(),
+        LinkState::Reconnecting { attempt, why, retry_in } => {
+            let when = match retry_in.as_secs_f32() {
+                0.0 => "now".into(),
+                seconds => format!("in {seconds:.1} s"),
+            };
+            format!("reconnecting {when} (attempt {attempt}): {why}")
+        }
+    };
+    let rtt = link.rtt.map_or("unknown".into(), ms);
+    // Of the last second or two, not of all that is remembered.
+    let mut latest: Vec<Duration> = latency.iter().rev().take(20).collect();
+    latest.sort_unstable();
+    let latency = latest.get(latest.len() / 2).copied().map_or("none yet".into(), ms);
+    format!(
+        "\nserver {}, {state}\nround trip {rtt}, {:.1} kB/s, light after {latency}",
+        link.peer,
+        bytes_per_s * 1e-3,
+    )
+}
+
 /// Writes what is going on into the panel, four times a second.
 pub fn show(
     time: Res<Time>,
@@ -103,15 +146,20 @@ pub fn show(
     view: Res<GiView>,
     lamps: Query<&Traveller, With<Lamp>>,
     mut texts: Query<&mut Text, With<State>>,
-    mut last: Local<(f32, u64)>,
+    mut last: Local<Last>,
 ) {
     let now = time.elapsed_secs();
-    let passed = now - last.0;
+    let passed = now - last.at;
     if passed < 0.25 {
         return;
     }
-    let rate = (status.updates - last.1) as f32 / passed;
-    *last = (now, status.updates);
+    let rate = (status.updates - last.updates) as f32 / passed;
+    let received = status.link.as_ref().map_or(0, |link| link.received_bytes);
+    let link = status.link.as_ref().map_or(String::new(), |link| {
+        let bytes_per_s = received.saturating_sub(last.received) as f32 / passed;
+        link_text(link, bytes_per_s, &status.timings.latency)
+    });
+    *last = Last { at: now, updates: status.updates, received };
     let speed = lamps.iter().map(|l| if l.paused { 0.0 } else { l.speed }).fold(0.0, f32::max);
     let state = match &status.state {
         GiState::Failed { reason } => format!("failed: {reason}"),
@@ -127,7 +175,7 @@ pub fn show(
     for mut text in &mut texts {
         text.0 = format!(
             "{shown}, {state}\n{rate:.0} lighting updates a second, estimated error {:.0} %\n\
-             lamp {speed:.2} m/s\n{} meshes lit, {} left out, our systems {:.2} ms a frame",
+             lamp {speed:.2} m/s\n{} meshes lit, {} left out, our systems {:.2} ms a frame{link}",
             status.quality.relative_error * 100.0,
             status.receivers,
             status.left_out.len(),

@@ -88,7 +88,7 @@ where
     let settings =
         GiSettings { page_size: args.lightmap, max_pages: 1, seed: args.seed, ..default() };
     app.insert_resource(settings)
-        .add_plugins(GiPlugin::with_backend(light))
+        .add_plugins(FarlightPlugins.set(GiPlugin::with_backend(light)))
         .insert_resource(GlobalAmbientLight::NONE)
         .insert_resource(ClearColor(Color::srgb(0.012, 0.013, 0.016)))
         .insert_resource(scene::shadow_map())

@@ -66,6 +66,11 @@ impl TimeWindow {
         self.ring.back().copied()
     }
 
+    /// All of them, oldest first.
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = Duration> {
+        self.ring.iter().copied()
+    }
+
     /// Forgets everything, for example after loading.
     pub fn clear(&mut self) {
         self.ring.clear();
@@ -116,6 +121,7 @@ mod tests {
         for ms in (1..=200).rev() {
             window.push(Duration::from_millis(ms));
         }
+        assert_eq!(window.iter().next(), Some(Duration::from_millis(100)));
         let stats = window.stats();
         assert_eq!(stats.samples, 100);
         assert_eq!(stats.min, Duration::from_millis(1));

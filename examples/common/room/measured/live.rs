@@ -14,6 +14,7 @@ use super::{
     motion::Traveller,
     record::Log,
     scene::{Ball, Lamp},
+    stages::Collected,
 };
 
 /// The app while it is measured.
@@ -26,6 +27,8 @@ pub struct Live {
     pub pace: Duration,
     /// Times from frame to frame in milliseconds.
     pub frame_ms: Vec<f32>,
+    /// Times of frames and of stages.
+    pub collected: Collected,
     /// Keep the texels of every write in `writes`.
     pub keep_texels: bool,
     /// Writes since this was last emptied.
@@ -72,6 +75,7 @@ impl Live {
             log,
             pace,
             frame_ms: Vec::new(),
+            collected: Collected::default(),
             keep_texels: false,
             writes: Vec::new(),
             last_frame: Instant::now(),
@@ -131,6 +135,12 @@ impl Live {
             *camera = msaa;
         }
         self.frame()
+    }
+
+    /// Takes the times since the last call out of the plugin's status; see [`Collected::take`].
+    pub fn collect(&mut self, moving: bool) {
+        let mut status = self.headless.app.world_mut().resource_mut::<GiStatus>();
+        self.collected.take(&mut status.timings, moving);
     }
 
     /// How the plugin is doing.

@@ -4,7 +4,10 @@ use std::time::{Duration, Instant};
 
 use farlight_gi_solver::{Scene, session::SnapshotId};
 
-use super::live::{Live, Moment, Write};
+use super::{
+    live::{Live, Moment, Write},
+    network::{Traffic, Watch},
+};
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,6 +93,8 @@ pub struct Seen {
     pub updates: usize,
     /// Time for which it moved.
     pub moving_time: Duration,
+    /// What went over the network in that time.
+    pub traffic: Traffic,
 }
 
 /// Runs the plan.
@@ -100,6 +105,8 @@ pub fn measure(live: &mut Live, plan: &Plan) -> Result<Seen, String> {
         live.lamp(|mut lamp| lamp.paused = false);
         live.frame()?;
         live.writes.clear();
+        live.collect(false);
+        let watch = Watch::start(live);
         let start = Instant::now();
         for _ in 0..plan.instants {
             live.run(plan.between)?;
@@ -107,6 +114,8 @@ pub fn measure(live: &mut Live, plan: &Plan) -> Result<Seen, String> {
         }
         seen.moving_time += start.elapsed();
         seen.updates += live.writes.len();
+        watch.end(live, &mut seen.traffic);
+        live.collect(true);
         live.lamp(|mut lamp| lamp.paused = true);
         let stopped = Instant::now();
         live.flush()?;
@@ -137,5 +146,6 @@ pub fn measure(live: &mut Live, plan: &Plan) -> Result<Seen, String> {
         live.scale_lamp(0.5);
         seen.steps.push(Step { before, after, at, snapshot, writes });
     }
+    live.collect(false);
     Ok(seen)
 }

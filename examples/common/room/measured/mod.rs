@@ -10,11 +10,13 @@ mod compare;
 mod headless;
 mod live;
 mod measure;
+mod network;
 mod record;
 mod reference;
 mod report;
 mod run;
 mod soak;
+mod stages;
 mod stats;
 
 use super::{args, assets, build, motion, scene};

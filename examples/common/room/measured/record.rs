@@ -7,7 +7,7 @@ use std::{
 };
 
 use bevy::math::Vec3;
-use farlight::gi::{BackendState, GiUpdate, LightingBackend};
+use farlight::gi::{BackendState, GiUpdate, LightingBackend, LinkStatus};
 use farlight_gi_solver::{
     Scene,
     scene::InstanceId,
@@ -122,6 +122,14 @@ impl LightingBackend for Recorder {
 
     fn lost_scene(&mut self) -> bool {
         self.inner.lost_scene()
+    }
+
+    fn resync(&mut self) {
+        self.inner.resync();
+    }
+
+    fn link(&self) -> Option<LinkStatus> {
+        self.inner.link()
     }
 }
 

@@ -1,12 +1,14 @@
 //! What was measured: a JSON file and a table.
 
-use std::{fmt::Write, path::Path};
+use std::{collections::BTreeMap, fmt::Write, path::Path};
 
 use serde::Serialize;
 
-use farlight::core::TimeStats;
-
-use super::stats::{Spread, StepTimes, quantile};
+use super::{
+    network::Network,
+    stages::{STAGES, Stage},
+    stats::{Spread, StepTimes, quantile},
+};
 
 /// How the numbers are meant; written into the report.
 const DEFINITIONS: &[(&str, &str)] = &[
@@ -44,6 +46,18 @@ const DEFINITIONS: &[(&str, &str)] = &[
         "CPU time of the threads that run this project's systems, a frame, both worlds together; the solver's thread is not part of it",
     ),
     ("system_wall_ms", "the same in wall time"),
+    (
+        "first_light_ms",
+        "from the frame that submitted the first part of the loaded scene until the frame that shows the first lit texels was submitted",
+    ),
+    (
+        "stages_ms",
+        "while the lamp moves: extract and upload are wall times of this project's systems a frame; the others an update: send until the network had taken the changes over, solve the solver's work, encode for the network (or, without one, for the textures), transfer on the network there and back, decode for the textures; whole is from the frame that submitted a change until the frame that shows its first texels was submitted, with everything that waits for a frame or for a piece of solving in between",
+    ),
+    (
+        "network",
+        "bytes are those of messages, without what QUIC, UDP and IP add; still is watched after the lighting of a scene at rest has converged",
+    ),
 ];
 
 /// The report. Keys carry their units.
@@ -110,11 +124,15 @@ pub struct Report {
     /// The lighting of `indirect.png`.
     pub error_picture: ErrorSummary,
     /// See `definitions`.
+    pub stages_ms: BTreeMap<&'static str, Stage>,
+    /// See `definitions`; `None` where the light is solved in this process.
+    pub network: Option<Network>,
+    /// See `definitions`.
     pub system_cpu_ms: Percentiles,
     /// See `definitions`.
     pub system_wall_ms: Percentiles,
     /// What the keys mean.
-    pub definitions: std::collections::BTreeMap<&'static str, &'static str>,
+    pub definitions: BTreeMap<&'static str, &'static str>,
 }
 
 /// Relative errors (0.05 is 5 %) over texels and instants.
@@ -163,14 +181,6 @@ impl Percentiles {
     }
 }
 
-impl From<&TimeStats> for Percentiles {
-    fn from(times: &TimeStats) -> Self {
-        let [p50, p95, p99] =
-            [times.median, times.p95, times.p99].map(|time| time.as_secs_f32() * 1e3);
-        Self { p50, p95, p99 }
-    }
-}
-
 impl Report {
     /// Writes `report.json`.
     pub fn save(&self, path: &Path) -> Result<(), String> {
@@ -209,7 +219,7 @@ impl Report {
         );
         row("frames measured", self.frames.to_string());
         row("time a frame, p50 / p95 / p99", format!("{} ms", percentiles(self.frame_ms)));
-        row("first light of the loaded scene", format!("{:.0} ms", self.first_light_ms));
+        row("first lit frame after the scene was sent", format!("{:.0} ms", self.first_light_ms));
         row(
             "lighting updates while the lamp moves",
             format!("{:.1} a second at {} m/s", self.updates_per_s, self.light_speed_m_per_s),
@@ -238,6 +248,16 @@ impl Report {
             format!("{} ms", percentiles(self.system_cpu_ms)),
         );
         row("our systems, wall time", format!("{} ms", percentiles(self.system_wall_ms)));
+        for name in STAGES {
+            let Some(stage) = self.stages_ms.get(name).filter(|stage| stage.samples > 0) else {
+                continue;
+            };
+            let row_name = format!("latency while moving: {name}, p50 / p90");
+            row(&row_name, format!("{:.2} / {:.2} ms", stage.p50, stage.p90));
+        }
+        if let Some(network) = &self.network {
+            network.rows(&mut row);
+        }
         out
     }
 }

@@ -23,6 +23,7 @@ use super::{
     headless::{Headless, Picture},
     live::{Live, Moment},
     measure::{Plan, measure},
+    network::{Network, Traffic, Watch, watch_still},
     record::Log,
     reference::{TexelCentre, converge, converge_grids, dilate, texel_centres},
     report::{Percentiles, Report},
@@ -33,6 +34,11 @@ use super::{
 const FRAMES_PER_SECOND: f32 = 20.0;
 /// How long the first light may take.
 const PATIENCE: Duration = Duration::from_secs(120);
+/// How long a server may be out of reach before the first light.
+const UNREACHABLE: Duration = Duration::from_secs(20);
+/// How long light at rest may take to converge, and for how long the link is watched afterwards.
+const CONVERGING: Duration = Duration::from_secs(180);
+const STILL: Duration = Duration::from_secs(10);
 /// Time for the lighting to come to rest before the pictures are taken.
 const REST: Duration = Duration::from_secs(3);
 /// Rings of texels around charts that filtering may touch.
@@ -47,14 +53,15 @@ pub fn run(
 ) -> Result<(), String> {
     let pace = Duration::from_secs_f32(1.0 / FRAMES_PER_SECOND);
     let mut live = start(args, light, pace)?;
+    let (watch, mut traffic) = (Watch::start(&mut live), Traffic::default());
     let first_light = first_light(&mut live)?;
+    watch.end(&mut live, &mut traffic);
     live.run(REST.min(pace * frames.unwrap_or(u32::MAX)))?;
     live.frame_ms.clear();
     live.status_mut().timings.clear();
 
     let plan = Plan::new(frames, pace);
     let seen = measure(&mut live, &plan)?;
-    let timings = &live.headless.app.world().resource::<GiStatus>().timings;
     let mut report = Report {
         adapter: live.headless.adapter(),
         processors: std::thread::available_parallelism().map_or(1, usize::from),
@@ -70,12 +77,18 @@ pub fn run(
         first_light_ms: first_light.as_secs_f32() * 1e3,
         after_stop_s: plan.after_stop.as_secs_f32(),
         watched_s: plan.watch.as_secs_f32(),
-        system_cpu_ms: (&timings.frame.cpu_stats()).into(),
-        system_wall_ms: (&timings.frame.wall_stats()).into(),
+        system_cpu_ms: Percentiles::of(&live.collected.frame_cpu),
+        system_wall_ms: Percentiles::of(&live.collected.frame_wall),
+        stages_ms: live.collected.stages().into(),
         ..Report::default()
     };
 
     let shown = pictures(&mut live, out, REST.min(pace * frames.unwrap_or(u32::MAX)))?;
+    let still = match frames {
+        None => watch_still(&mut live, CONVERGING, STILL)?,
+        Some(_) => None,
+    };
+    report.network = Network::new(&mut live, traffic, seen.traffic, still);
     let centres = {
         let state = live.log.lock();
         let placements: Vec<_> = state.placements.values().copied().collect();
@@ -113,6 +126,7 @@ pub fn first_light(live: &mut Live) -> Result<Duration, String> {
     eprintln!("loading, on {}", live.headless.adapter());
     let start = Instant::now();
     let mut submitted = None;
+    let mut reachable = Instant::now();
     loop {
         live.frame()?;
         let state = live.log.lock();
@@ -124,8 +138,13 @@ pub fn first_light(live: &mut Live) -> Result<Duration, String> {
         if let (true, Some(write), Some(submitted)) = (lit, live.writes.last(), submitted) {
             return Ok(write.first.saturating_duration_since(submitted));
         }
-        if let GiState::Failed { reason } = &live.status_mut().state {
-            return Err(format!("the solver gave up: {reason}"));
+        match &live.status_mut().state {
+            GiState::Failed { reason } => return Err(format!("the lighting failed: {reason}")),
+            GiState::Disconnected { reason } if reachable.elapsed() > UNREACHABLE => {
+                return Err(format!("no server for {UNREACHABLE:?}: {reason}"));
+            }
+            GiState::Disconnected { .. } => {}
+            _ => reachable = Instant::now(),
         }
         if start.elapsed() > PATIENCE {
             let status = live.status_mut();
