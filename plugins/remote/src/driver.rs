@@ -260,7 +260,7 @@ impl Driver {
             let silence = now.saturating_sub(self.heard(line));
             if silence >= GIVEN_UP {
                 let why = format!("nothing was heard for {} s", GIVEN_UP.as_secs());
-                self.hang_up(CloseCode::Done, "");
+                self.hang_up(CloseCode::Abandoned, "");
                 self.lost(now, &Closed::Lost(why.into()));
             } else if silence >= self.bearable(now) && self.attempts.next().is_none() {
                 debug!("nothing was heard of {} for {silence:?}", self.peer);

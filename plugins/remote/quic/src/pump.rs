@@ -108,7 +108,8 @@ pub(crate) async fn run(
                     Some(Command::Send(transmit)) => outgoing.send(transmit),
                     Some(Command::Cancel(id)) => outgoing.cancel(id),
                     Some(Command::Close(code, reason)) => break End::Ours(code, reason),
-                    None => break End::Ours(CloseCode::Done, String::new()),
+                    // Dropped without a goodbye: the session may go on elsewhere.
+                    None => break End::Ours(CloseCode::Abandoned, String::new()),
                 }
                 continue;
             }

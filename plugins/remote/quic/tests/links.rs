@@ -122,14 +122,14 @@ fn long_reasons_are_cut() {
 }
 
 #[test]
-fn dropping_a_link_says_goodbye() {
+fn dropping_a_link_gives_the_connection_up() {
     let mut host = Host::new();
     let (client, mut server) = join(&mut host);
     drop(client);
-    assert_eq!(server.closed(), Closed::Goodbye(CloseCode::Done, "".into()));
+    assert_eq!(server.closed(), Closed::Goodbye(CloseCode::Abandoned, "".into()));
     let (mut client, server) = join(&mut host);
     drop(server);
-    assert_eq!(client.closed(), Closed::Goodbye(CloseCode::Done, "".into()));
+    assert_eq!(client.closed(), Closed::Goodbye(CloseCode::Abandoned, "".into()));
     // Also right after the goodbye.
     let (mut client, mut server) = join(&mut host);
     server.link.close(CloseCode::ShuttingDown, "");

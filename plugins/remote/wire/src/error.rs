@@ -95,12 +95,15 @@ pub enum CloseCode {
     Failed,
     /// The same session goes on over another connection.
     Replaced,
+    /// The connection is given up, for example because nothing was heard over it; the session may go
+    /// on over another one.
+    Abandoned,
     /// A code of a newer version.
     Other(u32),
 }
 
 impl CloseCode {
-    const KNOWN: [(Self, u32, &'static str); 9] = [
+    const KNOWN: [(Self, u32, &'static str); 10] = [
         (Self::Done, 0, "goodbye"),
         (Self::Unauthorized, 1, "the access token is wrong"),
         (Self::Incompatible, 2, "the versions don't fit together"),
@@ -110,6 +113,7 @@ impl CloseCode {
         (Self::ShuttingDown, 6, "the server is shutting down"),
         (Self::Failed, 7, "the solver failed"),
         (Self::Replaced, 8, "the session goes on over another connection"),
+        (Self::Abandoned, 9, "the connection was given up"),
     ];
 
     /// Its number on the wire.
