@@ -10,6 +10,7 @@ use std::{
     net::{Ipv4Addr, SocketAddr},
     path::PathBuf,
     sync::Arc,
+    time::Duration,
 };
 
 use farlight_quic::{Authority, ListenConfig, ListenError, QuicListener};
@@ -119,6 +120,8 @@ pub(crate) fn run(args: &Args) -> Result<(), CliError> {
     let name = ended.ok_or_else(|| CliError::new("the server's thread has failed (see above)"))?;
     info!("{name}: saying goodbye to the clients");
     server.stop();
+    // The last packets leave on the network's own thread.
+    std::thread::sleep(Duration::from_millis(100));
     Ok(())
 }
 

@@ -18,9 +18,6 @@ use crate::{
 /// A connection on which nothing was heard for so long counts as lost (clients send keep-alives).
 pub(crate) const SILENCE: Duration = Duration::from_secs(20);
 
-/// The code of such an end; none that the wire names, and one after which a client tries again.
-const SILENT: CloseCode = CloseCode::Other(9);
-
 /// Events of a link that are handled before messages are sent again.
 const EVENTS: usize = 64;
 
@@ -31,6 +28,8 @@ pub(crate) struct Driver {
     line: Option<Line>,
     away_since: Option<Duration>,
     over: bool,
+    /// Over which a goodbye is on its way.
+    leaving: Option<Box<dyn Link>>,
 }
 
 /// The present connection.
@@ -66,7 +65,7 @@ pub(crate) enum Next {
 
 impl Driver {
     pub(crate) fn new(house: Arc<House>, room: Arc<Room>) -> Self {
-        Self { house, room, line: None, away_since: None, over: false }
+        Self { house, room, line: None, away_since: None, over: false, leaving: None }
     }
 
     /// The session that it drives.
@@ -92,6 +91,19 @@ impl Driver {
     pub(crate) fn fail(&mut self, why: &str) {
         let why = format!("the server failed: {why}");
         self.end(&End { code: CloseCode::Failed, why, warn: true });
+    }
+
+    /// Sleeps until the goodbye of a session that is over has left, for a second at most.
+    pub(crate) fn linger(&mut self) {
+        let Some(link) = &mut self.leaving else { return };
+        for _ in 0..100 {
+            while let Some(event) = link.poll() {
+                if matches!(event, LinkEvent::Closed(_)) {
+                    return;
+                }
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
     }
 
     fn work(&mut self, now: Duration) -> Result<Option<Duration>, End> {
@@ -227,7 +239,7 @@ impl Driver {
         }
         let silence = SILENCE.as_secs();
         info!("{}: nothing was heard of its client for {silence} s", self.room);
-        line.link.close(SILENT, "nothing was heard for too long");
+        line.link.close(CloseCode::Abandoned, "nothing was heard for too long");
         self.detach(now);
     }
 
@@ -281,6 +293,7 @@ impl Driver {
         }
         if let Some(mut line) = self.line.take() {
             line.link.close(end.code, &end.why);
+            self.leaving = Some(line.link);
         }
         // Who was about to come back tries again and gets a new session.
         while let Some(mut guest) = self.room.next_guest() {

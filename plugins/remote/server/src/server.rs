@@ -187,11 +187,12 @@ fn drive(mut driver: Driver, start: Instant) {
                 let timeout = next.map(|next: Duration| next.saturating_sub(start.elapsed()));
                 driver.room().bell.wait(timeout);
             }
-            Ok(Next::Over) => return,
+            Ok(Next::Over) => break,
             Err(panic) => {
                 driver.fail(message(&*panic));
-                return;
+                break;
             }
         }
     }
+    driver.linger();
 }

@@ -2,6 +2,7 @@
 
 #[path = "../../examples/reconnect/client.rs"]
 mod client;
+mod light;
 #[path = "../../examples/reconnect/scene.rs"]
 mod scene;
 mod trouble;
@@ -9,47 +10,11 @@ mod world;
 
 use std::time::Duration;
 
-use client::Light;
-use farlight_gi_solver::session::{Session, SnapshotId};
 use farlight_server::ServerSettings;
 use farlight_wire::{CloseCode, Closed, Limits, simulated::LinkConditions};
 use glam::Vec3;
+use light::assert_like_local;
 use world::{World, secs};
-
-/// What a session without a network makes of a room.
-fn local(size: f32) -> Light {
-    let mut light = Light::default();
-    let mut session = Session::new(scene::settings());
-    session.apply(SnapshotId(1), scene::room(size));
-    while !session.is_idle() {
-        let Some(update) = session.step() else { continue };
-        update.placements.iter().for_each(|placement| light.place(placement));
-        update.tiles.iter().for_each(|tile| light.paint(tile));
-    }
-    light
-}
-
-/// The light that arrived is what a session on the spot gives.
-#[track_caller]
-fn assert_like_local(client: &client::Client, size: f32) {
-    let local = local(size);
-    assert_eq!(client.light.placements.len(), 6);
-    for (id, placement) in &client.light.placements {
-        // Where it lies depends on the order in which meshes arrive.
-        let found = client.light.texels(placement);
-        let expected = local.texels(&local.placements[id]);
-        assert!(found.len() > 100 && found.len() == expected.len(), "{placement:?}");
-        let mean = |texels: &[Vec3]| texels.iter().sum::<Vec3>() / texels.len() as f32;
-        let (brightness, difference) = (mean(&expected), mean(&found) - mean(&expected));
-        assert!(brightness.min_element() > 0.1, "{id:?}: {brightness}");
-        assert!(difference.abs().cmplt(brightness * 2e-3).all(), "{id:?}: {difference}");
-        for (a, b) in found.iter().zip(&expected) {
-            // Changes of 0.3 % need not be sent, and half floats round by 2^-11.
-            let allowed = 0.01 * b.abs() + 1e-3 * brightness;
-            assert!((*a - *b).abs().cmple(allowed).all(), "{id:?}: {a} {b}");
-        }
-    }
-}
 
 #[test]
 fn a_scene_goes_there_and_its_light_comes_back() {

@@ -12,8 +12,8 @@ use farlight_wire::{
 };
 
 use crate::{
-    assert_like_local,
     client::Client,
+    light::assert_like_local,
     scene,
     world::{TOKEN, World, secs},
 };
