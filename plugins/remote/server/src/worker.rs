@@ -8,7 +8,7 @@ use std::{
 };
 
 use farlight_gi_solver::session::{
-    LightingUpdate, Session, SessionChange, SessionSettings, SnapshotId,
+    LightingUpdate, Quality, Session, SessionChange, SessionSettings, SnapshotId,
 };
 
 use crate::{
@@ -54,6 +54,8 @@ pub(crate) struct Worker {
     /// The newest snapshot that the solver has, and the newest that it has answered.
     newest: SnapshotId,
     answered: SnapshotId,
+    /// How good the light was that was published last.
+    quality: Quality,
 }
 
 impl Drop for Worker {
@@ -74,6 +76,7 @@ impl Worker {
             solving: Duration::ZERO,
             newest: SnapshotId::default(),
             answered: SnapshotId::default(),
+            quality: Quality::default(),
         }
     }
 
@@ -144,10 +147,34 @@ impl Worker {
         }
         let update = solver.step();
         self.solving += start.elapsed();
-        let Some(update) = update else { return };
+        let idle = solver.is_idle();
+        if let Some(update) = update {
+            self.publish(clock, &update);
+        }
+        if idle && self.answered < self.newest {
+            // There is no light to solve, or the last changes make no difference to it. Whoever
+            // waits for the snapshot should know.
+            let quality = Quality { converged: true, ..self.quality };
+            let snapshot = self.newest;
+            self.publish(
+                clock,
+                &LightingUpdate {
+                    snapshot,
+                    placements: Vec::new(),
+                    refused: Vec::new(),
+                    tiles: Vec::new(),
+                    grids: Vec::new(),
+                    quality,
+                },
+            );
+        }
+    }
+
+    fn publish(&mut self, clock: &impl Fn() -> Duration, update: &LightingUpdate) {
         self.answered = update.snapshot;
+        self.quality = update.quality;
         let solve = std::mem::take(&mut self.solving);
-        lock(&self.room.wire).publish(clock(), &update, solve);
+        lock(&self.room.wire).publish(clock(), update, solve);
         {
             let mut progress = lock(&self.room.progress);
             progress.snapshot = update.snapshot;

@@ -326,7 +326,8 @@ impl ClientSession {
 
     /// Whether something is expected from the server.
     fn is_busy(&self) -> bool {
-        !self.converged || !self.mirror.in_sync() || !self.outgoing.is_empty()
+        let waits_for_light = !self.converged && self.mirror.progress().0 > SnapshotId(0);
+        waits_for_light || !self.mirror.in_sync() || !self.outgoing.is_empty()
     }
 
     fn transmit(&mut self, channel: Channel, message: Vec<u8>) -> Transmit {
