@@ -4,7 +4,10 @@ use std::time::Duration;
 
 use farlight_wire::{Channel, simulated::Counters};
 
-use crate::stage::{Stage, bad_line};
+use crate::{
+    scene::lamp,
+    stage::{Stage, bad_line},
+};
 
 /// Keep-alives (a ping of the client and the server's answer) a minute: one in two seconds.
 const PINGS: u64 = 31;
@@ -43,4 +46,25 @@ fn after_convergence_only_keep_alives_are_sent() {
         }
         assert_eq!(after.connections, before.connections);
     }
+}
+
+#[test]
+fn a_scene_without_anything_to_light_is_soon_still() {
+    let mut stage = Stage::new(5, bad_line());
+    stage.run(Duration::from_secs(2));
+    let pings = |stage: &Stage| stage.network.counters().to_server(Channel::Control).messages;
+    let before = pings(&stage);
+    stage.run(Duration::from_secs(20));
+    let empty = pings(&stage) - before;
+    assert!(empty <= PINGS_WITH_LOSS / 2, "{empty} messages without a scene");
+    // A light and nothing that it could shine on; then the same light again.
+    for _ in 0..2 {
+        stage.submit(vec![lamp(0.5)]);
+        stage.settle();
+        stage.run(Duration::from_secs(2));
+    }
+    let before = pings(&stage);
+    stage.run(Duration::from_secs(20));
+    let dark = pings(&stage) - before;
+    assert!(dark <= PINGS_WITH_LOSS / 2, "{dark} messages with a light alone");
 }

@@ -1,0 +1,164 @@
+//! The plugin in a game, and a server with its threads, over the simulated network in real time.
+
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    thread::JoinHandle,
+    time::{Duration, Instant},
+};
+
+use bevy::{pbr::Lightmap, prelude::*};
+use farlight::{gi::GiLightmaps, prelude::*};
+use farlight_server::{Server, ServerSettings};
+use farlight_wire::{
+    Limits,
+    simulated::{LinkConditions, Network},
+};
+
+use crate::{
+    game::Game,
+    stage::{MS, TOKEN},
+};
+
+/// Lets the time of a network pass as it does outside.
+struct Clock {
+    network: Network,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Clock {
+    fn new(network: &Network) -> Self {
+        let (stop, network) = (Arc::new(AtomicBool::new(false)), network.clone());
+        let (stopped, ticking) = (stop.clone(), network.clone());
+        let thread = std::thread::spawn(move || {
+            let start = Instant::now();
+            while !stopped.load(Ordering::Relaxed) {
+                ticking.advance(start.elapsed());
+                std::thread::sleep(MS);
+            }
+        });
+        Self { network, stop, thread: Some(thread) }
+    }
+
+    fn serve(&self) -> Server {
+        let listener = Box::new(self.network.listener(&Limits::default()));
+        Server::start(ServerSettings::default(), listener, TOKEN).unwrap()
+    }
+}
+
+impl Drop for Clock {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Mean of all texels of the game's lightmaps.
+fn brightness(game: &Game) -> f32 {
+    let lightmaps = game.app.world().resource::<GiLightmaps>();
+    let mut sum = 0.0;
+    for (_, placement) in lightmaps.placements() {
+        let rect = placement.rect;
+        for y in rect.y..rect.y + rect.height {
+            for x in rect.x..rect.x + rect.width {
+                sum += lightmaps.texel(placement.page, x, y).unwrap().element_sum();
+            }
+        }
+    }
+    sum
+}
+
+fn lightmaps(game: &Game) -> usize {
+    let world = game.app.world();
+    game.walls.iter().filter(|wall| world.get::<Lightmap>(**wall).is_some()).count()
+}
+
+fn link(game: &Game) -> &LinkStatus {
+    game.status().link.as_ref().expect("a backend on another machine")
+}
+
+#[test]
+fn a_game_keeps_its_light_while_the_server_is_away() {
+    let network = Network::new(1);
+    network.set_conditions(LinkConditions { delay: 2 * MS, ..Default::default() });
+    let clock = Clock::new(&network);
+    let server = clock.serve();
+    let connector = network.connector();
+    let remote = RemoteSettings::default().with_name("a test");
+    let mut game = Game::new(GiPlugin::with_backend(move |gi| {
+        let connector = Box::new(connector.clone());
+        Box::new(RemoteBackend::new(connector, TOKEN, &remote, gi.session()))
+    }));
+
+    game.settle();
+    assert_eq!(lightmaps(&game), 6);
+    let first = brightness(&game);
+    assert!(first > 0.0);
+    let shown = link(&game);
+    assert_eq!(shown.state, LinkState::Connected);
+    assert!(shown.sent_bytes > 0 && shown.received_bytes > shown.update_bytes, "{shown:?}");
+    assert!(shown.updates > 0 && shown.bytes_per_update().unwrap() > 0.0, "{shown:?}");
+    assert_eq!((shown.snapshot_lag, shown.unsent_blob_bytes, shown.reconnects), (0, 0, 0));
+    assert_eq!(server.sessions().len(), 1);
+    let timings = &game.status().timings;
+    for (stage, window) in [
+        ("send", &timings.send),
+        ("solve", &timings.solve),
+        ("encode", &timings.encode),
+        ("transfer", &timings.transfer),
+        ("decode", &timings.decode),
+    ] {
+        assert!(!window.is_empty(), "{stage}");
+    }
+    assert!(timings.transfer.stats().max >= 4 * MS, "two delays of 2 ms");
+
+    server.stop();
+    game.until("no server", |game| matches!(game.status().state, GiState::Disconnected { .. }));
+    let LinkState::Reconnecting { why, .. } = &link(&game).state else {
+        panic!("{:?}", link(&game))
+    };
+    assert!(!why.is_empty());
+    game.move_lamp(Vec3::new(3.0, 1.0, 1.0));
+    for _ in 0..20 {
+        game.app.update();
+        std::thread::sleep(MS);
+    }
+    assert_eq!(lightmaps(&game), 6);
+    assert_eq!(brightness(&game), first, "the light stays");
+
+    let server = clock.serve();
+    game.settle();
+    assert_eq!(link(&game).state, LinkState::Connected);
+    assert_eq!(link(&game).reconnects, 1);
+    assert_ne!(brightness(&game), first, "the lamp was moved");
+    assert_eq!(lightmaps(&game), 6);
+
+    // The end of the game is a goodbye: the server forgets it at once.
+    drop(game);
+    let patience = Instant::now() + Duration::from_secs(20);
+    while !server.sessions().is_empty() {
+        assert!(Instant::now() < patience, "{server:?}");
+        std::thread::sleep(MS);
+    }
+}
+
+#[test]
+fn what_is_wrong_with_an_invitation_is_a_state() {
+    let settings = RemoteSettings::default();
+    let mut game = Game::new(GiPlugin::with_backend(RemoteBackend::factory(settings)));
+    game.until("a failure", |game| matches!(game.status().state, GiState::Failed { .. }));
+    let GiState::Failed { reason } = &game.status().state else { unreachable!() };
+    assert!(reason.contains("invite"), "{reason}");
+
+    let file = std::env::temp_dir().join("farlight-no-such-invitation");
+    let settings = RemoteSettings::from_invite_file(&file);
+    let mut game = Game::new(GiPlugin::with_backend(RemoteBackend::factory(settings)));
+    game.until("waiting", |game| matches!(game.status().state, GiState::Disconnected { .. }));
+    let GiState::Disconnected { reason } = &game.status().state else { unreachable!() };
+    assert!(reason.contains("farlight-no-such-invitation"), "{reason}");
+}
