@@ -1,5 +1,5 @@
-//! What light costs on the wire: a lamp moves through a scene, and every lighting update is encoded
-//! as the server would, beside plain half floats and LZ4 of these.
+//! What a scene and its light cost on the wire: the meshes and images once, then a lamp moves, and
+//! every lighting update is encoded as the server would, beside plain half floats and LZ4 of these.
 //!
 //! ```text
 //! cargo run -p farlight_wire --example lighting_bytes -- [SCENE.glb] [--page N] [--frames N] [--each]
@@ -22,7 +22,7 @@ use farlight_gi_solver::{
     },
     unwrap::{UnwrapOptions, ensure_uv1},
 };
-use farlight_wire::{HalfGrid, HalfTile, LightingMessage, Limits};
+use farlight_wire::{Blob, HalfGrid, HalfTile, LightingMessage, Limits};
 use glam::{Affine3A, Quat, UVec3, Vec3};
 use half::f16;
 
@@ -82,6 +82,32 @@ fn scene(path: &Path) -> Vec<SessionChange> {
     let grid = ProbeGrid { transform, resolution: UVec3::new(10, 4, 6) };
     changes.push(SessionChange::SetGrid(GridId(0), grid));
     changes
+}
+
+/// What the meshes and images of a scene cost, which are sent once.
+fn print_blobs(changes: &[SessionChange]) {
+    let blobs = changes.iter().filter_map(|change| match change {
+        SessionChange::Scene(SceneChange::SetMesh(_, mesh)) => Some(Blob::Mesh(mesh.clone())),
+        SessionChange::Scene(SceneChange::SetTexture(_, t)) => Some(Blob::Texture(t.clone())),
+        _ => None,
+    });
+    let (mut count, mut memory, mut bytes) = (0, 0, 0);
+    let mut times = [Duration::ZERO; 3];
+    for blob in blobs {
+        let (hash, hashing) = timed(|| blob.hash());
+        let (encoded, encoding) = timed(|| blob.encode());
+        let (decoded, decoding) = timed(|| Blob::decode(&encoded, hash, blob.memory()));
+        decoded.expect("what was encoded");
+        count += 1;
+        memory += blob.memory();
+        bytes += encoded.len();
+        times = [times[0] + hashing, times[1] + encoding, times[2] + decoding];
+    }
+    let [hash, encode, decode] = times.map(|time| time.as_secs_f64() * 1e3);
+    println!(
+        "the scene: {count} meshes and images of {memory} bytes, {bytes} on the wire; hash {hash:.1}, \
+         encode {encode:.1}, decode {decode:.1} ms",
+    );
 }
 
 fn lamp(along: f32, brightness: f32) -> SessionChange {
@@ -221,6 +247,7 @@ fn main() {
         ..Default::default()
     });
     let mut changes = scene(&a.scene);
+    print_blobs(&changes);
     changes.push(lamp(0.0, 1.0));
     session.apply(SnapshotId(1), changes);
     let take = |sums: &mut Sums, update: LightingUpdate| {
