@@ -111,7 +111,9 @@ fn window(args: &Args, light: BackendFactory, title: &str) -> Result<(), String>
             }),
     );
     build(&mut app, args, move |settings| light(settings));
-    app.add_systems(Startup, hud::spawn).add_systems(Update, (orbit::orbit, hud::keys, hud::show));
+    app.add_systems(Startup, hud::spawn)
+        .add_systems(PostStartup, scene::smooth_edges)
+        .add_systems(Update, (orbit::orbit, hud::keys, hud::show));
     match app.run() {
         AppExit::Success => Ok(()),
         AppExit::Error(code) => Err(format!("the app exited with code {code}")),

@@ -8,6 +8,7 @@ use bevy::{
     core_pipeline::tonemapping::Tonemapping,
     light::{NotShadowCaster, PointLightShadowMap},
     prelude::*,
+    render::renderer::RenderAdapterInfo,
 };
 use farlight::prelude::*;
 
@@ -59,6 +60,14 @@ pub fn ball_path() -> ClosedPath {
 /// Size of the shadow map's sides in pixels.
 pub fn shadow_map() -> PointLightShadowMap {
     PointLightShadowMap { size: 512 }
+}
+
+/// Leaves multisampling to graphics processors: drawing on the CPU it would halve the frame rate.
+pub fn smooth_edges(adapter: Option<Res<RenderAdapterInfo>>, mut cameras: Query<&mut Msaa>) {
+    let drawn_on_cpu = adapter.is_some_and(|info| format!("{:?}", info.device_type) == "Cpu");
+    if drawn_on_cpu {
+        cameras.iter_mut().for_each(|mut camera| *camera = Msaa::Off);
+    }
 }
 
 /// Makes everything.

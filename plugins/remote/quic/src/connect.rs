@@ -129,7 +129,8 @@ async fn client(
         }
         Err(closed) => closed,
     };
-    info!("{}: {closed}", server.name);
+    // Whoever asked for the link decides whether this is news: attempts come and go.
+    debug!("{}: {closed}", server.name);
     shared.closed(closed);
 }
 
