@@ -54,7 +54,7 @@ fn command_lines_are_read_or_refused_with_a_reason() {
 fn a_server_is_named_once_and_only_where_there_is_one() {
     let args = parse_remote("--server farlight://a:1/#b --size 160x90").unwrap();
     assert_eq!(args.server, Some(Server::Invitation("farlight://a:1/#b".into())));
-    assert_eq!((args.mode, args.size), (Mode::Window, (160, 90)));
+    assert_eq!((args.mode, args.window), (Mode::Window, (160, 90)));
     let args = parse_remote("--headless --server-file invite --out d").unwrap();
     assert_eq!(args.server, Some(Server::File("invite".into())));
     assert_eq!(parse_remote("--help").unwrap().mode, Mode::Help);

@@ -45,7 +45,8 @@ const OPTIONS: &str = "\
     --out DIR         where the files go; made if it is missing
     --frames N        stop measuring after about N frames; a short run measures less
                       (default: as many as the measurements need)
-    --size WxH        size of the pictures in pixels, 16 to 4096 a side (default 320x180)
+    --size WxH        size of the pictures in pixels, 16 to 4096 a side (default 320x180), or of the
+                      window (default 1280x720)
     --lightmap N      edge of the lightmap in texels, 16 to 4096, a power of two (default 128)
     --samples N       paths a texel of the converged reference, 1 to 65536 (default 2048)
     --seed N          seed of all random numbers (default 1)
@@ -91,6 +92,8 @@ pub struct Args {
     pub mode: Mode,
     /// Size of the pictures in pixels.
     pub size: (u32, u32),
+    /// Size of the window in logical pixels.
+    pub window: (u32, u32),
     /// Edge of the lightmap in texels.
     pub lightmap: u32,
     /// Paths a texel of the converged reference.
@@ -110,6 +113,7 @@ impl Args {
         let mut args = Self {
             mode: Mode::Window,
             size: (320, 180),
+            window: (1280, 720),
             lightmap: 128,
             samples: 2048,
             seed: 1,
@@ -124,7 +128,10 @@ impl Args {
                 "--headless" => headless = true,
                 "--out" => out = Some(PathBuf::from(value()?)),
                 "--frames" => frames = Some(number(&name, &value()?, 1, 1_000_000)? as u32),
-                "--size" => args.size = size(&value()?)?,
+                "--size" => {
+                    args.size = size(&value()?)?;
+                    args.window = args.size;
+                }
                 "--lightmap" => {
                     args.lightmap = number(&name, &value()?, 16, 4096)? as u32;
                     if !args.lightmap.is_power_of_two() {

@@ -119,12 +119,12 @@ fn link_text(link: &LinkStatus, bytes_per_s: f32, latency: &TimeWindow) -> Strin
     let state = match &link.state {
         LinkState::Connecting => "connecting".into(),
         LinkState::Connected => "connected".into(),
-        LinkState::Reconnecting { attempt, why, retry_in } => {
+        LinkState::Reconnecting { attempt, retry_in, .. } => {
             let when = match retry_in.as_secs_f32() {
                 0.0 => "now".into(),
                 seconds => format!("in {seconds:.1} s"),
             };
-            format!("reconnecting {when} (attempt {attempt}): {why}")
+            format!("reconnecting {when} (attempt {attempt})")
         }
     };
     let rtt = link.rtt.map_or("unknown".into(), ms);

@@ -104,7 +104,7 @@ fn window(args: &Args, light: BackendFactory, title: &str) -> Result<(), String>
             .set(WindowPlugin {
                 primary_window: Some(Window {
                     title: title.into(),
-                    resolution: (1280, 720).into(),
+                    resolution: args.window.into(),
                     ..default()
                 }),
                 ..default()
