@@ -88,7 +88,20 @@ fn triangles(mesh: &Mesh) -> Result<scene::Mesh, String> {
         PrimitiveTopology::PointList => return Err("it consists of points".into()),
     };
     let (uv0, uv1) = (uv(Mesh::ATTRIBUTE_UV_0)?, uv(Mesh::ATTRIBUTE_UV_1)?);
-    Ok(scene::Mesh { positions, normals, uv0, uv1, triangles })
+    let mut mesh = scene::Mesh { positions, normals, uv0, uv1, triangles };
+    make_finite(&mut mesh);
+    Ok(mesh)
+}
+
+/// Exporters write NaN for the normals and the UVs of triangles without area. Those are not worth
+/// leaving a mesh out.
+fn make_finite(mesh: &mut scene::Mesh) {
+    mesh.normals.iter_mut().filter(|n| !n.is_finite()).for_each(|n| *n = Vec3::Y);
+    mesh.uv0.iter_mut().filter(|uv| !uv.is_finite()).for_each(|uv| *uv = Vec2::ZERO);
+    if !mesh.uv1.iter().all(|uv| uv.is_finite()) {
+        // One is made.
+        mesh.uv1.clear();
+    }
 }
 
 fn attribute(
@@ -141,4 +154,25 @@ fn gather(values: &VertexAttributeValues, source: &[u32]) -> VertexAttributeValu
         Float32 Float32x2 Float32x3 Float32x4 Uint32 Uint32x2 Uint32x3 Uint32x4 Sint32
         Sint32x2 Sint32x3 Sint32x4 Float64 Float64x2 Float64x3 Float64x4 Unorm10_10_10_2 Unorm8x4Bgra
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::asset::RenderAssetUsages;
+
+    use super::*;
+
+    #[test]
+    fn attributes_that_are_not_finite_are_replaced() {
+        let usage = RenderAssetUsages::default();
+        let positions = vec![[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let mesh = Mesh::new(PrimitiveTopology::TriangleList, usage)
+            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+            .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[f32::NAN, 0.0, 1.0]; 3])
+            .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, vec![[f32::INFINITY, 0.0]; 3])
+            .with_inserted_attribute(Mesh::ATTRIBUTE_UV_1, vec![[0.0, f32::NAN]; 3]);
+        let made = triangles(&mesh).unwrap();
+        assert_eq!((made.normals, made.uv0), (vec![Vec3::Y; 3], vec![Vec2::ZERO; 3]));
+        assert!(made.uv1.is_empty());
+    }
 }
