@@ -2,6 +2,7 @@
 
 mod invite;
 mod log;
+mod memory;
 mod place;
 mod signals;
 
@@ -113,7 +114,11 @@ pub(crate) fn run(args: &Args) -> Result<(), CliError> {
     // A closed pipe is no reason to stop.
     let _ = writeln!(io::stdout(), "{invitation}").and_then(|()| io::stdout().flush());
     info!("listening at {address} for {sessions} sessions; identity in {}", folder.display());
-    let ended = signals.wait(|| server.is_running());
+    let mut memory = memory::Memory::default();
+    let ended = signals.wait(|| {
+        memory.give_back(server.ended());
+        server.is_running()
+    });
     if let Some(file) = file {
         file.remove();
     }

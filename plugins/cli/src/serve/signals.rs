@@ -27,9 +27,9 @@ impl Signals {
             .map_err(|e: io::Error| CliError::new(format!("signals can't be listened for: {e}")))
     }
 
-    /// Waits for one and returns its name, or nothing once `running` says no. From then on another
-    /// one ends the process at once.
-    pub(super) fn wait(mut self, running: impl Fn() -> bool) -> Option<&'static str> {
+    /// Waits for one and returns its name, or nothing once `running`, which is asked every second,
+    /// says no. From then on another one ends the process at once.
+    pub(super) fn wait(mut self, mut running: impl FnMut() -> bool) -> Option<&'static str> {
         let look = Duration::from_secs(1);
         loop {
             let source = &mut self.source;

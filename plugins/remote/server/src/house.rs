@@ -46,6 +46,7 @@ pub(crate) struct Counters {
     pub(crate) received_bytes: AtomicU64,
     pub(crate) admitted: AtomicU64,
     pub(crate) refused: AtomicU64,
+    pub(crate) ended: AtomicU64,
 }
 
 impl House {

@@ -81,6 +81,12 @@ impl Server {
         self.house.rooms().iter().map(|room| SessionReport::new(room, now)).collect()
     }
 
+    /// Sessions that have ended and let go of their memory, since the start.
+    #[must_use]
+    pub fn ended(&self) -> u64 {
+        self.house.counters.ended.load(Ordering::Relaxed)
+    }
+
     /// Says goodbye to all clients ([`CloseCode::ShuttingDown`]) and ends the sessions. A solver
     /// finishes its piece of work on its own.
     pub fn stop(mut self) {

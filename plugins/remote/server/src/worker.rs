@@ -62,6 +62,7 @@ impl Drop for Worker {
     fn drop(&mut self) {
         self.solver = None;
         self.house.trim();
+        self.house.counters.ended.fetch_add(1, Ordering::Relaxed);
         self.house.solvers.fetch_sub(1, Ordering::Relaxed);
     }
 }

@@ -120,7 +120,7 @@ impl Visitor {
             }
             Visit::Torn => {
                 let seed = (self.random() * 1e6) as u32;
-                client.submit(self.start.elapsed(), scene::ground(300, seed).collect());
+                client.submit(self.start.elapsed(), scene::ground(150, seed).collect());
                 // Some part of it, another one each time.
                 let messages = 5 + (self.random() * 20.0) as u64;
                 self.run(&mut client, |c| c.sent >= messages || c.is_lit())?;
