@@ -21,7 +21,8 @@ cargo xtask bench soak [server | demo] [--minutes N | --seconds N] [--no-install
   soak           both, one after the other
 
   --samples N    paths a receiver (default 65536)
-  --minutes N    how long to soak (default 10); or --seconds N
+  --minutes N    how long to soak (default 10), or --seconds N; below five minutes a program is still
+                 warming up
   --no-install   only name missing system packages
   -- ...         is given to the benchmark or the demo
 ";
