@@ -9,11 +9,15 @@ use std::{
     time::{Duration, Instant},
 };
 
-use bevy::{pbr::Lightmap, prelude::*};
+use bevy::{
+    pbr::Lightmap,
+    prelude::*,
+    window::{PrimaryWindow, WindowResolution},
+};
 use farlight::{gi::GiLightmaps, prelude::*};
 use farlight_server::{Server, ServerSettings};
 use farlight_wire::{
-    Limits,
+    Channel, Limits,
     simulated::{LinkConditions, Network},
 };
 
@@ -161,4 +165,34 @@ fn what_is_wrong_with_an_invitation_is_a_state() {
     game.until("waiting", |game| matches!(game.status().state, GiState::Disconnected { .. }));
     let GiState::Disconnected { reason } = &game.status().state else { unreachable!() };
     assert!(reason.contains("farlight-no-such-invitation"), "{reason}");
+}
+
+#[test]
+fn a_new_window_size_brings_all_light_again() {
+    let network = Network::new(1);
+    let clock = Clock::new(&network);
+    let server = clock.serve();
+    let connector = network.connector();
+    let mut game = Game::new(GiPlugin::with_backend(move |gi| {
+        let (connector, remote) = (Box::new(connector.clone()), RemoteSettings::default());
+        Box::new(RemoteBackend::new(connector, TOKEN, &remote, gi.session()))
+    }));
+    let resolution = WindowResolution::new(320, 180);
+    let window =
+        game.app.world_mut().spawn((Window { resolution, ..default() }, PrimaryWindow)).id();
+    game.settle();
+    let rest = |game: &mut Game| {
+        let end = Instant::now() + 500 * MS;
+        game.until("half a second", |_| Instant::now() > end);
+        game.status().updates
+    };
+    rest(&mut game);
+    let (before, blobs) = (rest(&mut game), network.counters().to_server(Channel::Bulk));
+    assert_eq!(rest(&mut game), before, "the scene is still");
+
+    game.app.world_mut().get_mut::<Window>(window).unwrap().resolution.set(640.0, 360.0);
+    game.until("light", |game| game.status().updates > before);
+    game.settle();
+    assert_eq!(network.counters().to_server(Channel::Bulk), blobs, "only light is sent");
+    drop((game, server));
 }

@@ -33,7 +33,9 @@ fn light_is_what_a_local_session_shows() {
 fn light_is_right_again_soon_after_an_outage() {
     let mut locals = Locals::default();
     let mut worst = Duration::ZERO;
-    for seed in 0..6 {
+    // More seeds on request, for a wider look.
+    let seeds = std::env::var("FARLIGHT_SEEDS").map_or(6, |seeds| seeds.parse().expect("a number"));
+    for seed in 0..seeds {
         let mut stage = Stage::new(seed, bad_line());
         stage.submit_room(0.0);
         stage.settle();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use farlight_gi::{
-    BackendState, GiSettings, GiUpdate, LightingBackend, LinkStatus,
+    BackendState, GiUpdate, LightingBackend, LinkStatus,
     solver::session::{SessionChange, SessionSettings, SnapshotId},
 };
 use farlight_wire::{Connector, Token, View};
@@ -23,6 +23,7 @@ const GOODBYE: Duration = Duration::from_millis(300);
 #[derive(Debug)]
 pub struct RemoteBackend {
     shared: Arc<Shared>,
+    #[cfg(not(target_arch = "wasm32"))]
     threaded: bool,
 }
 
@@ -38,7 +39,12 @@ impl RemoteBackend {
     ) -> (Self, Driver) {
         let shared = Arc::new(Shared::default());
         let driver = Driver::new(shared.clone(), connector, token, settings, session);
-        (Self { shared, threaded: false }, driver)
+        let backend = Self {
+            shared,
+            #[cfg(not(target_arch = "wasm32"))]
+            threaded: false,
+        };
+        (backend, driver)
     }
 
     /// A backend that reaches its server over `connector`, which lets the client in with `token`.
@@ -63,7 +69,7 @@ impl RemoteBackend {
     #[cfg(not(target_arch = "wasm32"))]
     pub fn factory(
         settings: RemoteSettings,
-    ) -> impl Fn(&GiSettings) -> Box<dyn LightingBackend> + Send + Sync + 'static {
+    ) -> impl Fn(&farlight_gi::GiSettings) -> Box<dyn LightingBackend> + Send + Sync + 'static {
         move |gi| {
             let named = settings.clone();
             let find = move || {

@@ -36,6 +36,7 @@ mod light;
 mod mailbox;
 mod plugin;
 mod settings;
+#[cfg_attr(target_arch = "wasm32", expect(dead_code, reason = "nobody waits without threads"))]
 mod shared;
 
 pub use backend::RemoteBackend;
