@@ -1,9 +1,12 @@
 //! Clients that may not come in, or behave badly, and solvers that fail.
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{
+    Arc,
+    atomic::{AtomicU64, Ordering},
+};
 
 use farlight_gi_solver::session::{
-    LightingUpdate, Session, SessionChange, SessionSettings, SnapshotId,
+    LightingUpdate, Quality, Session, SessionChange, SessionSettings, SnapshotId,
 };
 use farlight_server::{ServerSettings, Solve};
 use farlight_wire::{
@@ -236,4 +239,59 @@ fn a_solver_that_fails_ends_its_session_alone() {
     assert_eq!(goodbye(&mut world, bad).0, CloseCode::Failed);
     assert_eq!(MADE.load(Ordering::Relaxed), 3);
     assert!(world.clients[good].closed.is_none());
+}
+
+/// Always finds something to do; counts how often it is asked.
+struct Tireless {
+    pending: Option<SnapshotId>,
+    steps: Arc<AtomicU64>,
+}
+
+impl Solve for Tireless {
+    fn apply(&mut self, snapshot: SnapshotId, _: Vec<SessionChange>) {
+        self.pending = Some(snapshot);
+    }
+
+    fn step(&mut self) -> Option<LightingUpdate> {
+        self.steps.fetch_add(1, Ordering::Relaxed);
+        self.pending.take().map(|snapshot| LightingUpdate {
+            snapshot,
+            placements: Vec::new(),
+            refused: Vec::new(),
+            tiles: Vec::new(),
+            grids: Vec::new(),
+            quality: Quality::default(),
+        })
+    }
+
+    fn is_idle(&self) -> bool {
+        false
+    }
+}
+
+#[test]
+fn a_solver_rests_while_its_client_is_away() {
+    let steps = Arc::new(AtomicU64::new(0));
+    let for_solver = steps.clone();
+    let mut world = World::with_solver(
+        ServerSettings::default(),
+        Box::new(move |_| Box::new(Tireless { pending: None, steps: for_solver.clone() })),
+    );
+    let count = || steps.load(Ordering::Relaxed);
+    let client = world.connect("comes and goes");
+    world.submit(client, vec![scene::lamp(glam::Vec3::ONE, 1.0)]);
+    world.run_until(|w| w.clients[client].light.snapshot == SnapshotId(1));
+    let before = count();
+    world.run(secs(1));
+    assert!(count() > before + 100, "somebody is looking");
+    world.clients[client].cut();
+    world.run_until(|w| w.server().sessions()[0].away.is_some());
+    world.run(secs(1));
+    let before = count();
+    world.run(secs(20));
+    assert_eq!(count(), before, "nobody is looking");
+    world.reconnect(client);
+    world.run_until(|w| w.clients[client].welcomed == Some(true));
+    world.run(secs(1));
+    assert!(count() > before + 100, "somebody is looking again");
 }

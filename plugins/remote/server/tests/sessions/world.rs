@@ -10,6 +10,9 @@ use crate::client::Client;
 
 pub(crate) const TOKEN: Token = Token([7; 16]);
 
+/// The longest step of virtual time.
+const STRIDE: Duration = Duration::from_millis(100);
+
 pub(crate) fn secs(seconds: u64) -> Duration {
     Duration::from_secs(seconds)
 }
@@ -89,7 +92,8 @@ impl World {
         let server = self.server.as_mut().and_then(|server| server.tick(now));
         let clients: Vec<_> = self.clients.iter_mut().map(|c| c.tick(now)).collect();
         let next = [server, self.network.next_event()].into_iter().chain(clients);
-        let next = next.flatten().min().unwrap_or(until).min(until);
+        // Not far: whoever waits for something looks between steps.
+        let next = next.flatten().min().unwrap_or(until).min(until).min(now + STRIDE);
         // Solving takes no virtual time of its own; the millisecond is what a piece of it counts.
         self.now = next.max(now + Duration::from_millis(1));
         self.network.advance(self.now);
