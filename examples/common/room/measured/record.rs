@@ -4,6 +4,7 @@
 use std::{
     collections::{BTreeMap, VecDeque},
     sync::{Arc, Mutex, MutexGuard},
+    time::Instant,
 };
 
 use bevy::math::Vec3;
@@ -31,6 +32,8 @@ pub struct State {
     pub scene: Scene,
     /// Its snapshot.
     pub submitted: SnapshotId,
+    /// When the first instance was submitted.
+    pub first_submit: Option<Instant>,
     /// Where instances lie in the lightmap.
     pub placements: BTreeMap<InstanceId, Placement>,
     /// Probe grids.
@@ -101,6 +104,9 @@ impl LightingBackend for Recorder {
             }
         }
         state.submitted = snapshot;
+        if !state.scene.instances.is_empty() {
+            state.first_submit.get_or_insert_with(Instant::now);
+        }
         drop(state);
         self.inner.submit(snapshot, changes);
     }

@@ -121,22 +121,20 @@ pub fn start(args: &Args, light: BackendFactory, pace: Duration) -> Result<Live,
     Ok(live)
 }
 
-/// Waits until the scene is loaded and its first light is shown; the time in between.
+/// Waits until the first light is shown; the time since the first instance was submitted, to the end
+/// of a frame that shows it (at most one frame late, since writes are told in the next).
 pub fn first_light(live: &mut Live) -> Result<Duration, String> {
     eprintln!("loading, on {}", live.headless.adapter());
     let start = Instant::now();
-    let mut submitted = None;
     let mut reachable = Instant::now();
     loop {
         live.frame()?;
         let state = live.log.lock();
-        if !state.scene.instances.is_empty() {
-            submitted.get_or_insert_with(Instant::now);
-        }
-        let lit = !state.pages.is_empty();
+        let (lit, submitted) = (!state.pages.is_empty(), state.first_submit);
         drop(state);
-        if let (true, Some(write), Some(submitted)) = (lit, live.writes.last(), submitted) {
-            return Ok(write.first.saturating_duration_since(submitted));
+        if let (true, Some(submitted)) = (lit && !live.writes.is_empty(), submitted) {
+            // Writes are told a frame later: the frame that showed the light ended before this one.
+            return Ok(submitted.elapsed());
         }
         match &live.status_mut().state {
             GiState::Failed { reason } => return Err(format!("the lighting failed: {reason}")),
