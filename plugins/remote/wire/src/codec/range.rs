@@ -4,6 +4,12 @@
 //! redundancy from a digitised message") with a binary alphabet: the interval `low..=high` is split
 //! in proportion to the probability, and leading bytes go out when both ends agree on them. 64 bits
 //! wide, so what is lost while the ends straddle a byte does not matter.
+//!
+//! Bits that are as likely 0 as 1 go past it, packed, which is faster. The bytes are the length of
+//! the arithmetic code (LEB128), the code, the packed bits.
+
+use super::{Reader, Writer};
+use crate::WireError;
 
 /// Codes decisions. The two directions share one interface, so a model is written once and both
 /// sides stay equal by construction: an encoder writes `bit` and returns it, a decoder takes no
@@ -11,6 +17,9 @@
 pub(crate) trait BitCoder {
     /// Codes a decision that is true with a probability of `one / 65536`; `one` is in 1..=65535.
     fn bit(&mut self, bit: bool, one: u32) -> bool;
+
+    /// Codes the lowest `count` bits of a number (at most 16), of which nothing is known.
+    fn raw(&mut self, bits: u32, count: u32) -> u32;
 }
 
 /// Where the interval is split: the lower part is for true.
@@ -29,14 +38,18 @@ pub(crate) struct RangeEncoder {
     low: u64,
     high: u64,
     out: Vec<u8>,
+    packed: Vec<u8>,
+    /// Packed bits that don't fill a byte yet, the newest lowest.
+    pending: u64,
+    count: u32,
 }
 
 impl RangeEncoder {
     pub(crate) fn new() -> Self {
-        Self { low: 0, high: u64::MAX, out: Vec::new() }
+        Self { low: 0, high: u64::MAX, out: Vec::new(), packed: Vec::new(), pending: 0, count: 0 }
     }
 
-    /// The bytes. Zeros at the end are left out; the decoder reads them as zeros anyway.
+    /// The bytes. Zeros at the end of the arithmetic code are left out, the decoder reads them anyway.
     pub(crate) fn finish(mut self) -> Vec<u8> {
         // The shortest number within the interval.
         for bytes in 0..=8 {
@@ -50,7 +63,13 @@ impl RangeEncoder {
         while self.out.last() == Some(&0) {
             self.out.pop();
         }
-        self.out
+        let mut bytes = Writer::default();
+        bytes.bytes(&self.out);
+        bytes.raw(&self.packed);
+        if self.count > 0 {
+            bytes.u8((self.pending << (8 - self.count)) as u8);
+        }
+        bytes.finish()
     }
 }
 
@@ -70,6 +89,18 @@ impl BitCoder for RangeEncoder {
         }
         bit
     }
+
+    #[inline]
+    fn raw(&mut self, bits: u32, count: u32) -> u32 {
+        let bits = bits & ((1 << count) - 1);
+        self.pending = self.pending << count | u64::from(bits);
+        self.count += count;
+        while self.count >= 8 {
+            self.count -= 8;
+            self.packed.push((self.pending >> self.count) as u8);
+        }
+        bits
+    }
 }
 
 /// Reads decisions. After the end of the bytes it reads zeros, so it never fails; what it says then
@@ -80,15 +111,24 @@ pub(crate) struct RangeDecoder<'a> {
     high: u64,
     code: u64,
     rest: std::slice::Iter<'a, u8>,
+    packed: std::slice::Iter<'a, u8>,
+    pending: u64,
+    count: u32,
 }
 
 impl<'a> RangeDecoder<'a> {
-    pub(crate) fn new(bytes: &'a [u8]) -> Self {
-        let mut decoder = Self { low: 0, high: u64::MAX, code: 0, rest: bytes.iter() };
+    /// # Errors
+    /// The arithmetic code is longer than the bytes.
+    pub(crate) fn new(what: &'static str, bytes: &'a [u8]) -> Result<Self, WireError> {
+        let mut reader = Reader::new(what, bytes);
+        let rest = reader.bytes(usize::MAX)?.iter();
+        let packed = reader.rest().iter();
+        let mut decoder =
+            Self { low: 0, high: u64::MAX, code: 0, rest, packed, pending: 0, count: 0 };
         for _ in 0..8 {
             decoder.shift();
         }
-        decoder
+        Ok(decoder)
     }
 
     fn shift(&mut self) {
@@ -112,6 +152,16 @@ impl BitCoder for RangeDecoder<'_> {
             self.high = self.high << 8 | 0xff;
         }
         bit
+    }
+
+    #[inline]
+    fn raw(&mut self, _: u32, count: u32) -> u32 {
+        while self.count < count {
+            self.pending = self.pending << 8 | u64::from(self.packed.next().copied().unwrap_or(0));
+            self.count += 8;
+        }
+        self.count -= count;
+        (self.pending >> self.count) as u32 & ((1 << count) - 1)
     }
 }
 
@@ -141,17 +191,38 @@ mod tests {
         encoder.finish()
     }
 
+    fn decoder(bytes: &[u8]) -> RangeDecoder<'_> {
+        RangeDecoder::new("a test", bytes).unwrap()
+    }
+
     #[test]
     fn decisions_come_back() {
         for count in [0, 1, 2, 7, 100, 20_000] {
             for skew in [false, true] {
                 let decisions = decisions(count, skew);
                 let bytes = encode(&decisions);
-                let mut decoder = RangeDecoder::new(&bytes);
+                let mut decoder = decoder(&bytes);
                 for &(bit, one) in &decisions {
                     assert_eq!(decoder.bit(false, one), bit);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn raw_bits_come_back_between_decisions() {
+        let mut encoder = RangeEncoder::new();
+        let number = |i: u32| i.wrapping_mul(40_503) >> 3;
+        for i in 0..1000 {
+            let bits = number(i) & ((1 << (i % 17)) - 1);
+            assert_eq!(encoder.raw(number(i), i % 17), bits);
+            encoder.bit(i % 3 == 0, 20_000);
+        }
+        let bytes = encoder.finish();
+        let mut decoder = decoder(&bytes);
+        for i in 0..1000 {
+            assert_eq!(decoder.raw(0, i % 17), number(i) & ((1 << (i % 17)) - 1), "{i}");
+            assert_eq!(decoder.bit(false, 20_000), i % 3 == 0);
         }
     }
 
@@ -166,20 +237,19 @@ mod tests {
             })
             .sum();
         let size = encode(&decisions).len() as f64 * 8.0;
-        assert!((bits - 16.0..bits * 1.001 + 16.0).contains(&size), "{size} for {bits} bits");
+        assert!((bits - 16.0..bits * 1.001 + 32.0).contains(&size), "{size} for {bits} bits");
     }
 
     /// The narrowest interval: both ends straddle a byte.
     #[test]
     fn straddling_ends_lose_nothing() {
-        let mut encoder =
-            RangeEncoder { low: 0x7fff_ffff_ffff_ffff, high: 1 << 63, out: Vec::new() };
+        let (low, high) = (0x7fff_ffff_ffff_ffff, 1 << 63);
+        let mut encoder = RangeEncoder { low, high, ..RangeEncoder::new() };
         for i in 0..100 {
             encoder.bit(i % 3 == 0, 100 + 600 * i);
         }
         let bytes = encoder.finish();
-        let mut decoder = RangeDecoder::new(&bytes);
-        (decoder.low, decoder.high) = (0x7fff_ffff_ffff_ffff, 1 << 63);
+        let mut decoder = RangeDecoder { low, high, ..decoder(&bytes) };
         for i in 0..100 {
             assert_eq!(decoder.bit(false, 100 + 600 * i), i % 3 == 0, "{i}");
         }
@@ -187,8 +257,12 @@ mod tests {
 
     #[test]
     fn anything_can_be_read() {
-        let mut decoder = RangeDecoder::new(&[0xff, 0x12]);
+        let mut decoder = decoder(&[1, 0xff, 0x12]);
         let ones = (0..1000).filter(|i| decoder.bit(false, 1 + i % 65535)).count();
         assert!(ones <= 1000);
+        assert_eq!(decoder.raw(0, 8), 0x12);
+        assert_eq!(decoder.raw(0, 16), 0, "beyond the end");
+        assert!(RangeDecoder::new("a test", &[2, 0xff]).is_err());
+        assert!(RangeDecoder::new("a test", &[]).is_err());
     }
 }

@@ -1,7 +1,7 @@
 //! Adaptive codes for prediction errors.
 //!
 //! An error is coded as its bit length (a tree of four decisions), its sign and the bits behind the
-//! leading one. The probabilities are learned while coding, apart for every context; a context is a
+//! leading one, of which all but the first two are taken as they are. The probabilities are learned while coding, apart for every context; a context is a
 //! class of magnitudes that was seen nearby. Two contexts are asked at once and averaged, so that
 //! neither has to be fine enough alone. Before anything is learned they assume that errors in a
 //! class are distributed exponentially around 0, with the scale of the class.
@@ -42,13 +42,15 @@ impl Chance {
         Self { one: (one * 65536.0).clamp(256.0, 65280.0) as u16, seen: ASSUMED }
     }
 
+    #[inline(always)]
     fn learn(&mut self, bit: bool) {
-        let target = if bit { 65535 } else { 0 };
+        let target = 65535 * i64::from(bit);
         let step = (target - i64::from(self.one)) * i64::from(RATES[usize::from(self.seen)]);
         self.one = (i64::from(self.one) + (step >> 16)) as u16;
         self.seen = (self.seen + 1).min(MEMORY);
     }
 
+    #[inline(always)]
     fn code(&mut self, coder: &mut impl BitCoder, bit: bool) -> bool {
         let bit = coder.bit(bit, u32::from(self.one).clamp(LEAST, 65536 - LEAST));
         self.learn(bit);
@@ -57,6 +59,7 @@ impl Chance {
 }
 
 /// A decision that two contexts know something about.
+#[inline(always)]
 fn code_both(coder: &mut impl BitCoder, a: &mut Chance, b: &mut Chance, bit: bool) -> bool {
     let one = (u32::from(a.one) + u32::from(b.one)) / 2;
     let bit = coder.bit(bit, one.clamp(LEAST, 65536 - LEAST));
@@ -150,7 +153,7 @@ pub(crate) struct Residuals {
     first: Vec<Lengths>,
     second: Vec<Lengths>,
     signs: [Chance; SIGNS],
-    /// The two bits behind the leading one, by length.
+    /// The two bits behind the leading one, by length and what is known of the number.
     bits: [[Chance; 4]; 16],
 }
 
@@ -180,15 +183,14 @@ impl Residuals {
             return 0;
         }
         let negative = self.signs[context.sign].code(coder, error < 0);
-        let bits = &mut self.bits[length as usize];
-        let mut known = 1_u32;
-        for shift in (0..length - 1).rev() {
-            let bit = magnitude >> shift & 1 == 1;
-            let bit = match bits.get_mut(known as usize) {
-                Some(chance) => chance.code(coder, bit),
-                None => coder.bit(bit, 1 << 15),
-            };
-            known = 2 * known + u32::from(bit);
+        let mut known = 1;
+        for place in 1..length.min(3) {
+            let bit = magnitude >> (length - 1 - place) & 1 == 1;
+            let chance = &mut self.bits[length as usize][known as usize];
+            known = 2 * known + u32::from(chance.code(coder, bit));
+        }
+        if let Some(more) = length.checked_sub(3) {
+            known = known << more | coder.raw(magnitude, more);
         }
         if negative { -(known as i32) } else { known as i32 }
     }
@@ -216,7 +218,8 @@ mod tests {
             assert_eq!(model.code(&mut encoder, context(i), error), error);
         }
         let bytes = encoder.finish();
-        let (mut decoder, mut model) = (RangeDecoder::new(&bytes), Residuals::new());
+        let mut decoder = RangeDecoder::new("a test", &bytes).unwrap();
+        let mut model = Residuals::new();
         for (i, &error) in errors.iter().enumerate() {
             assert_eq!(model.code(&mut decoder, context(i), 0), error, "{i}");
         }

@@ -9,8 +9,9 @@
 //! 4. The count of refused receivers, and for each: instance, length of the text, text.
 //! 5. The count of tiles, and for each: page, x, y, width, height.
 //! 6. The count of runs of probes, and for each: grid, resolution (three), first, count.
-//! 7. The length of what follows, and one arithmetic code ([`range`](crate::codec)) of all texels in
-//!    the order of the tiles ([`tile`]) and all probes in the order of the runs ([`probe`]).
+//! 7. The length of what follows: nothing, or one arithmetic code with packed bits
+//!    ([`codec`](crate::codec)) of all texels in the order of the tiles ([`tile`]) and all probes in
+//!    the order of the runs ([`probe`]), and zeros.
 //!
 //! It stands for itself: nothing of it depends on other messages, which may be lost. What is
 //! learned, is learned over all tiles of a message.
@@ -58,10 +59,14 @@ impl LightingMessage {
     #[must_use]
     pub fn encode(&self) -> Vec<u8> {
         let mut message = self.without_invalid();
-        let mut coder = RangeEncoder::new();
-        message.code(&mut coder);
-        let mut code = coder.finish();
-        code.resize(code.len().max(least_code(message.texels(), message.probes())), 0);
+        let mut code = Vec::new();
+        let (texels, probes) = (message.texels(), message.probes());
+        if texels + probes > 0 {
+            let mut coder = RangeEncoder::new();
+            message.code(&mut coder);
+            code = coder.finish();
+            code.resize(code.len().max(least_code(texels, probes)), 0);
+        }
         let mut out = Writer::default();
         message.write_head(&mut out);
         out.bytes(&code);

@@ -54,7 +54,9 @@ impl LightingMessage {
             .into_iter()
             .map(|(grid, count)| HalfGrid { probes: vec![[[0; 3]; 9]; count], ..grid })
             .collect();
-        message.code(&mut RangeDecoder::new(code));
+        if texels + probes > 0 {
+            message.code(&mut RangeDecoder::new(WHAT, code)?);
+        }
         Ok(message)
     }
 }
