@@ -3,11 +3,7 @@
 use std::time::Duration;
 
 use bevy::prelude::*;
-use farlight::{
-    core::TimeWindow,
-    gi::{LinkState, LinkStatus},
-    prelude::*,
-};
+use farlight::{core::TimeWindow, prelude::*};
 
 use super::{
     motion::Traveller,
