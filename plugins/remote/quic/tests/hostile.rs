@@ -67,7 +67,7 @@ impl Liar {
     }
 
     /// Both sides know why it ended.
-    fn is_thrown_out(mut self, code: CloseCode, why: &str) {
+    fn must_go(mut self, code: CloseCode, why: &str) {
         let closed = self.server.closed();
         assert!(matches!(&closed, Closed::Broken(reason) if reason.contains(why)), "{closed:?}");
         let told = self.run(self.connection.closed());
@@ -85,7 +85,7 @@ fn a_control_message_of_4_gb() {
     let mut liar = Liar::new(&mut host);
     let claim = liar.runtime.block_on(liar.send.write_all(&u32::MAX.to_le_bytes()));
     claim.unwrap();
-    liar.is_thrown_out(CloseCode::Limit, "Control has 4294967295 bytes; 262144 are allowed");
+    liar.must_go(CloseCode::Limit, "Control has 4294967295 bytes; 262144 are allowed");
     witness.is_undisturbed();
 }
 
@@ -110,7 +110,7 @@ fn messages_over_their_limit() {
             while stream.write_all(&[0; 10_000]).await.is_ok() {}
         });
         let why = format!("{channel:?} has");
-        liar.is_thrown_out(CloseCode::Limit, &why);
+        liar.must_go(CloseCode::Limit, &why);
         witness.is_undisturbed();
     }
 }
@@ -125,11 +125,11 @@ fn unknown_channels_and_second_control_streams() {
             let mut stream = liar.stream().await;
             stream.write_all(&[tag]).await.unwrap();
         });
-        liar.is_thrown_out(CloseCode::Protocol, &format!("unknown channel {tag}"));
+        liar.must_go(CloseCode::Protocol, &format!("unknown channel {tag}"));
     }
     let liar = Liar::new(&mut host);
     let _stream = liar.run(async { liar.connection.open_bi().await.unwrap().await.unwrap() });
-    liar.is_thrown_out(CloseCode::Protocol, "second control stream");
+    liar.must_go(CloseCode::Protocol, "second control stream");
     witness.is_undisturbed();
 }
 
@@ -142,10 +142,10 @@ fn broken_control_streams() {
         liar.send.write_all(&[10, 0, 0, 0, 1, 2, 3]).await.unwrap();
         liar.send.finish().await.unwrap();
     });
-    liar.is_thrown_out(CloseCode::Protocol, "ends within a message");
+    liar.must_go(CloseCode::Protocol, "ends within a message");
     let mut liar = Liar::new(&mut host);
     liar.send.reset(wtransport::VarInt::from_u32(5)).unwrap();
-    liar.is_thrown_out(CloseCode::Protocol, "the control stream broke");
+    liar.must_go(CloseCode::Protocol, "the control stream broke");
     // Ended without a goodbye: nobody's fault, but of no use.
     let mut liar = Liar::new(&mut host);
     liar.runtime.block_on(liar.send.finish()).unwrap();
