@@ -44,6 +44,10 @@ fn a_killed_server_is_replaced_twenty_times() {
     game.submit(room(1.0));
     game.wait_for_light(expected, "the first light");
     for round in 1..=20_u32 {
+        if round % 2 == 0 {
+            // This one dies at work.
+            game.submit(vec![lamp(0.1)]);
+        }
         server.kill();
         let killed = Instant::now();
         // A change that the dead server can't have seen.

@@ -9,6 +9,9 @@ use super::{
     network::{Traffic, Watch},
 };
 
+/// How long the first update may take after the lamp has begun to move.
+const PATIENCE: Duration = Duration::from_secs(30);
+
 /// How much is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
@@ -111,6 +114,13 @@ pub fn measure(live: &mut Live, plan: &Plan) -> Result<Seen, String> {
         for _ in 0..plan.instants {
             live.run(plan.between)?;
             live.remember();
+        }
+        // Only on a machine that is much too busy, or if the light has stopped.
+        while live.writes.is_empty() || !watch.has_light(live) {
+            live.frame()?;
+            if start.elapsed() > PATIENCE {
+                return Err(format!("no update of the light arrived within {PATIENCE:?}"));
+            }
         }
         seen.moving_time += start.elapsed();
         seen.updates += live.writes.len();

@@ -88,6 +88,11 @@ impl Watch {
         Self { start: Instant::now(), before: counters(live).unwrap_or_default() }
     }
 
+    /// Whether a message of light has come since then; always where there is no link.
+    pub fn has_light(&self, live: &mut Live) -> bool {
+        counters(live).is_none_or(|now| now.updates > self.before.updates)
+    }
+
     /// What went over the link since then, added to `traffic`.
     pub fn end(self, live: &mut Live, traffic: &mut Traffic) {
         let Some(now) = counters(live) else { return };
