@@ -88,6 +88,7 @@ RUST_LOG, if set, says what is logged (for example farlight=debug,warn).";
 pub(crate) fn run(args: &Args) -> Result<(), CliError> {
     let (settings, chosen) = settings(args)?;
     log::start(args.verbose);
+    let mut memory = memory::Memory::new();
     let folder = place::state_folder(&settings.state)?;
     let authority = Authority::open(&folder).map_err(|e| CliError::new(e.to_string()))?;
     let authority = Arc::new(authority);
@@ -114,7 +115,6 @@ pub(crate) fn run(args: &Args) -> Result<(), CliError> {
     // A closed pipe is no reason to stop.
     let _ = writeln!(io::stdout(), "{invitation}").and_then(|()| io::stdout().flush());
     info!("listening at {address} for {sessions} sessions; identity in {}", folder.display());
-    let mut memory = memory::Memory::default();
     let ended = signals.wait(|| {
         memory.give_back(server.ended());
         server.is_running()
