@@ -94,7 +94,7 @@ unsafe impl GlobalAlloc for Counting {
 static GLOBAL: Counting = Counting;
 
 /// What frames took.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 struct Cost {
     /// All but [`OUTLIERS`] take at most this: allocations, bytes.
     most: (u64, u64),
@@ -222,7 +222,8 @@ fn a_client_takes_little_memory_a_frame() {
         ("with a server, still", still),
         ("with a server, moving", moving),
     ] {
-        println!("{what}: {cost:?}");
+        let Cost { most, worst, mean } = cost;
+        println!("{what}: {mean:?} on average, {most:?} in most frames, {worst:?} in the worst");
     }
     let more = |cost: &Cost, than: &Cost| {
         let (allocations, bytes) = than.mean;

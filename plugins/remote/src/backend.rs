@@ -97,7 +97,12 @@ impl LightingBackend for RemoteBackend {
     }
 
     fn state(&self) -> BackendState {
-        self.shared.lock().state.clone()
+        let mail = self.shared.lock();
+        match &mail.state {
+            // What has not been polled is better than what is shown.
+            BackendState::Converged if !mail.updates.is_empty() => BackendState::Solving,
+            state => state.clone(),
+        }
     }
 
     fn resync(&mut self) {

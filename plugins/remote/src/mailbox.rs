@@ -22,6 +22,10 @@ impl Waiting {
         self.0.pop_front()
     }
 
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     pub(crate) fn push(&mut self, update: GiUpdate) {
         self.0.push_back(update);
     }

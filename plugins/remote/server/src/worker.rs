@@ -145,6 +145,8 @@ impl Worker {
             let mut progress = lock(&self.room.progress);
             progress.size = size;
             progress.converged = false;
+            // Also if it is what came late of a snapshot that was answered without it.
+            self.answered = self.answered.min(SnapshotId(self.newest.0.saturating_sub(1)));
         }
         let update = solver.step();
         self.solving += start.elapsed();

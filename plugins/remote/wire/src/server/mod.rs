@@ -297,7 +297,12 @@ impl ServerSession {
         self.solve += solve;
         // Light of a scene without what is still on its way is not the last word.
         let whole = !self.replica.waits_for_blobs() && !self.replica.has_news();
-        self.outbox.publish(update, whole);
+        let LightingUpdate { placements, refused, tiles, grids, .. } = update;
+        let says_nothing =
+            placements.is_empty() && refused.is_empty() && tiles.is_empty() && grids.is_empty();
+        if whole || !says_nothing {
+            self.outbox.publish(update, whole);
+        }
     }
 
     /// The time that encoding took, for the next message.
