@@ -6,11 +6,9 @@ use tracing_subscriber::EnvFilter;
 
 /// Sends the log to standard error.
 pub(super) fn start(verbose: bool) {
-    let level = if verbose { "debug" } else { "info" };
-    // What it says of every connection the sessions say as well.
-    let quic = if verbose { ",farlight_quic=debug" } else { "" };
-    let own = ["farlight", "farlight_server", "farlight_wire"];
-    let default = own.map(|name| format!("{name}={level}")).join(",") + quic + ",warn";
+    // What the network says of every connection the sessions say as well.
+    let [own, network] = if verbose { ["debug", "debug"] } else { ["info", "warn"] };
+    let default = format!("warn,farlight={own},farlight_quic={network}");
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(default));
     let log = tracing_subscriber::fmt()
         .with_env_filter(filter)
