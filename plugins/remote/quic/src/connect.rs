@@ -1,6 +1,7 @@
 //! Connecting to a server by an invitation.
 
 use std::{
+    collections::VecDeque,
     future::Future,
     net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr},
     pin::Pin as Boxed,
@@ -11,7 +12,7 @@ use std::{
 use farlight_wire::{Closed, Connector, Invitation, Limits, Link, Wake};
 use tokio::{
     sync::mpsc::UnboundedReceiver,
-    task::JoinSet,
+    task::{AbortHandle, JoinSet},
     time::{sleep, timeout},
 };
 use tracing::{debug, info};
@@ -37,11 +38,11 @@ const PATIENCE: Duration = Duration::from_secs(6);
 /// How long one address is tried alone before the next one too.
 const STAGGER: Duration = Duration::from_millis(250);
 
-/// The first packets of an attempt are sent again at growing intervals. After a line was out for a
-/// while a new attempt is faster, so one begins so often.
-const AGAIN: Duration = Duration::from_secs(1);
+/// The first packets of an attempt are sent again at growing intervals. When a line or a server comes back
+/// after a while a new attempt is faster, so one begins so often.
+const AGAIN: Duration = Duration::from_millis(600);
 
-/// Attempts at once.
+/// Attempts at once; beyond that the oldest ends.
 const ATTEMPTS: usize = 6;
 
 /// Addresses of a name that are tried.
@@ -118,20 +119,22 @@ async fn client(
         // The session has thought better of it.
         closed = changed_its_mind(&mut commands, &mut early) => Err(closed),
     };
-    let closed = match connected {
+    match connected {
         Ok(Connected { endpoint, connection, control }) => {
             info!("connected to {} ({})", server.name, connection.remote_address());
             let closed =
                 pump::run(&connection, control, &shared, &mut commands, early, &limits).await;
+            info!("{}: {closed}", server.name);
+            shared.closed(closed);
             drop(connection);
             let _ = timeout(LEAVE, endpoint.wait_idle()).await;
-            closed
         }
-        Err(closed) => closed,
-    };
-    // Whoever asked for the link decides whether this is news: attempts come and go.
-    debug!("{}: {closed}", server.name);
-    shared.closed(closed);
+        Err(closed) => {
+            // Whoever asked for the link decides whether this is news: attempts come and go.
+            debug!("{}: {closed}", server.name);
+            shared.closed(closed);
+        }
+    }
 }
 
 /// Waits until the link is closed or dropped; collects what it wants to send.
@@ -159,6 +162,7 @@ struct Connected {
 async fn connect(server: &Server) -> Result<Connected, Closed> {
     let addresses = resolve(server).await?;
     let mut attempts = JoinSet::new();
+    let mut handles = VecDeque::new();
     let mut failed = None;
     let mut next = 0;
     loop {
@@ -181,12 +185,17 @@ async fn connect(server: &Server) -> Result<Connected, Closed> {
                 Ok(Ok(connected)) => return Ok(connected),
                 Ok(Err(untrusted @ Closed::Untrusted(_))) => return Err(untrusted),
                 Ok(Err(closed)) => failed = Some(closed),
-                Err(error) => failed = Some(Closed::Lost(error.to_string().into())),
+                Err(_) => {}
             },
-            () = sleep(wait), if attempts.len() < ATTEMPTS => {
+            () = sleep(wait) => {
+                if handles.len() == ATTEMPTS
+                    && let Some(oldest) = handles.pop_front()
+                {
+                    AbortHandle::abort(&oldest);
+                }
                 let address = addresses[next % addresses.len()];
                 debug!("connecting to {} at {address}", server.name);
-                attempts.spawn(attempt(address, server.authority));
+                handles.push_back(attempts.spawn(attempt(address, server.authority)));
                 next += 1;
             }
         }

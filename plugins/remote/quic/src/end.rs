@@ -29,7 +29,8 @@ impl End {
     pub(crate) fn code_and_reason(&self) -> (VarInt, &[u8]) {
         let (code, reason) = match self {
             Self::Ours(code, reason) | Self::Broken(code, reason) => (*code, reason.as_str()),
-            Self::Gone(_) | Self::Lost(_) => (CloseCode::Abandoned, ""),
+            Self::Lost(why) => (CloseCode::Abandoned, why.as_str()),
+            Self::Gone(_) => (CloseCode::Abandoned, ""),
         };
         (VarInt::from_u32(code.number()), cut(reason).as_bytes())
     }

@@ -103,6 +103,7 @@ async fn message(
 /// Messages of the control stream: a length of four bytes, little-endian, then the message.
 pub(crate) async fn control(
     mut stream: RecvStream,
+    connection: Connection,
     shared: Arc<Shared>,
     limits: Limits,
 ) -> Result<(), End> {
@@ -115,7 +116,9 @@ pub(crate) async fn control(
             Ok(()) => {}
             Err(quinn::ReadExactError::FinishedEarly(0)) => {
                 // A goodbye follows.
-                tokio::time::sleep(GOODBYE).await;
+                if timeout(GOODBYE, connection.closed()).await.is_ok() {
+                    return Ok(());
+                }
                 return Err(End::Lost("the other side ended the control stream".into()));
             }
             Err(error) => return exact_end(error),
@@ -186,7 +189,7 @@ impl<'a> Room<'a> {
 
 async fn patiently(budget: &Budget, bytes: usize) -> Result<OwnedSemaphorePermit, End> {
     timeout(STUCK, budget.take(bytes)).await.map_err(|_| {
-        let why = "unfinished or unread messages take too much memory for too long".to_owned();
-        End::Broken(CloseCode::Limit, why)
+        // Who is to blame, the other side or the session here, is not known.
+        End::Lost("unfinished or unread messages have filled the memory for them too long".into())
     })
 }

@@ -60,7 +60,8 @@
 //! memory. Handshakes at once, connections at once and connections that nobody accepts are bounded.
 //!
 //! # Threads
-//! All links of a process share one thread, which ends with the last of them. Dropping a link says goodbye.
+//! All links of a process share one thread, which ends with the last of them. Dropping a link gives the
+//! connection up.
 
 mod authority;
 mod congestion;

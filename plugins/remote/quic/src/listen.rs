@@ -114,7 +114,8 @@ pub enum ListenError {
     Thread(io::Error),
 }
 
-/// Takes clients at an address. Accepted links live on when it is dropped.
+/// Takes clients at an address. Accepted links live on when it is dropped. They wake whom the listener
+/// wakes.
 pub struct QuicListener {
     local: SocketAddr,
     rotation: Arc<Rotation>,

@@ -90,7 +90,7 @@ pub(crate) async fn run(
     shared.opened(connection.quic_connection().clone());
     let mut early = early.into_iter();
     let mut readers = JoinSet::new();
-    readers.spawn(incoming::control(receive, Arc::clone(shared), *limits));
+    readers.spawn(incoming::control(receive, connection.clone(), Arc::clone(shared), *limits));
     readers.spawn(incoming::streams(connection.clone(), Arc::clone(shared), *limits));
     let mut outgoing = Outgoing::new(connection.clone(), Arc::clone(shared));
     let (control, control_receiver) = unbounded_channel();

@@ -69,6 +69,8 @@ fn loopback() {
     round_trips(&mut client, &mut server, Channel::Latest, 20 << 10);
 
     for (channel, bytes) in [(Channel::Bulk, 256 << 10), (Channel::Latest, 1 << 20)] {
+        // Confirmations of before.
+        while client.event_within(Duration::from_millis(200)).is_some() {}
         let start = Instant::now();
         let (mut sent, mut received, mut flying) = (0, 0, 0);
         while received < 256 << 20 {
@@ -128,4 +130,40 @@ fn control_beside_bulk() {
     println!(
         "Control beside as much Bulk as there is room for: {middle:.1?} median, {worst:.1?} 99 %"
     );
+}
+
+/// Memory of the process, in KiB.
+#[cfg(target_os = "linux")]
+fn memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmRSS:"))?;
+    line.split_whitespace().nth(1)?.parse().ok()
+}
+
+#[cfg(not(target_os = "linux"))]
+fn memory() -> Option<u64> {
+    None
+}
+
+#[test]
+#[ignore = "prints figures, which depend on the machine"]
+fn memory_over_many_connections() {
+    let mut host = Host::new();
+    for round in 0..8 {
+        for i in 0..250 {
+            let (mut client, mut server) = join(&mut host);
+            client.send(Channel::Latest, noise(i, 100_000));
+            server.message();
+            // Some say goodbye, some vanish in the middle of a message.
+            server.send(Channel::Bulk, noise(i, 200_000));
+            if i % 2 == 0 {
+                client.link.close(farlight_wire::CloseCode::Done, "");
+                server.closed();
+            }
+        }
+        match memory() {
+            Some(memory) => println!("{} connections: {memory} KiB", (round + 1) * 250),
+            None => println!("SKIPPED: memory is read on Linux only"),
+        }
+    }
 }
