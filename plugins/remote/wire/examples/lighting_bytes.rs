@@ -2,12 +2,13 @@
 //! every lighting update is encoded as the server would, beside plain half floats and LZ4 of these.
 //!
 //! ```text
-//! cargo run -p farlight_wire --example lighting_bytes -- [SCENE.glb] [--page N] [--frames N] [--each]
+//! cargo run -p farlight_wire --example lighting_bytes -- [SCENE.glb] [--page N] [--frames N]
 //! ```
 //! The scene is the demo's unless another is named. Pages have `--page` texels a side (128), the lamp
-//! moves for `--frames` updates (60). `--each` prints every update, not only the sums.
+//! moves for `--frames` updates (60).
 
 use std::{
+    collections::HashMap,
     path::{Path, PathBuf},
     sync::Arc,
     time::{Duration, Instant},
@@ -15,6 +16,7 @@ use std::{
 
 use farlight_gi_solver::{
     SceneChange,
+    atlas::{PageId, TexelRect},
     import::{ImportOptions, load_scene},
     scene::{Light, LightId, LightKind, Mesh},
     session::{
@@ -35,20 +37,18 @@ struct Arguments {
     scene: PathBuf,
     page: u32,
     frames: u32,
-    each: bool,
 }
 
 fn arguments() -> Arguments {
     let here = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
     let scene = here.join("../../../assets/scenes/doorway.glb");
-    let mut a = Arguments { scene, page: 128, frames: 60, each: false };
+    let mut a = Arguments { scene, page: 128, frames: 60 };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut number = || words.next().and_then(|w| w.parse().ok()).expect("a number");
         match word.as_str() {
             "--page" => a.page = number(),
             "--frames" => a.frames = number(),
-            "--each" => a.each = true,
             _ => a.scene = word.into(),
         }
     }
@@ -121,6 +121,13 @@ fn lamp(along: f32, brightness: f32) -> SessionChange {
     SessionChange::Scene(SceneChange::SetLight(LightId(0), light))
 }
 
+/// What a client shows.
+#[derive(Default)]
+struct Shown {
+    sequence: u64,
+    tiles: HashMap<(PageId, TexelRect), (u64, Vec<[u16; 3]>)>,
+}
+
 /// Sums over updates.
 #[derive(Default)]
 struct Sums {
@@ -130,6 +137,8 @@ struct Sums {
     halves: usize,
     lz4: usize,
     ours: usize,
+    /// Without looking at older messages.
+    alone: usize,
     /// Of these, probes.
     our_probes: usize,
     encode: Vec<Duration>,
@@ -156,8 +165,11 @@ fn timed<T>(mut work: impl FnMut() -> T) -> (T, Duration) {
 }
 
 impl Sums {
-    fn add(&mut self, update: &LightingUpdate) {
+    /// `shown` is what the client has and acknowledged: all updates before.
+    fn add(&mut self, update: &LightingUpdate, shown: &mut Shown) {
+        shown.sequence += 1;
         let message = LightingMessage {
+            sequence: shown.sequence,
             snapshot: update.snapshot,
             quality: update.quality,
             tiles: update.tiles.iter().map(HalfTile::new).collect(),
@@ -167,10 +179,16 @@ impl Sums {
         let texels = message.tiles.iter().flat_map(|tile| &tile.texels).flatten();
         let probes = message.grids.iter().flat_map(|g| &g.probes).flatten().flatten();
         let halves: Vec<u8> = texels.chain(probes).flat_map(|bits| bits.to_le_bytes()).collect();
-        let (bytes, encode) = timed(|| message.encode());
+        let base = |page, rect| shown.tiles.get(&(page, rect)).map(|(n, t)| (*n, &t[..]));
+        let ((bytes, _), encode) =
+            timed(|| message.encode_beside(|tile| base(tile.page, tile.rect)));
         let limits = Limits::default();
-        let (decoded, decode) = timed(|| LightingMessage::decode(&bytes, &limits));
+        let known = |page, rect, number| {
+            base(page, rect).filter(|(n, _)| *n == number).map(|(_, texels)| texels)
+        };
+        let (decoded, decode) = timed(|| LightingMessage::decode_beside(&bytes, &limits, known));
         let decoded = decoded.expect("what was encoded");
+        self.alone += message.encode().len();
         let only_probes = LightingMessage { tiles: Vec::new(), ..message.clone() };
         self.updates += 1;
         self.texels += message.tiles.iter().map(|tile| tile.texels.len()).sum::<usize>();
@@ -182,6 +200,9 @@ impl Sums {
         self.encode.push(encode);
         self.decode.push(decode);
         self.compare(&message, &decoded);
+        for tile in decoded.tiles {
+            shown.tiles.insert((tile.page, tile.rect), (message.sequence, tile.texels));
+        }
     }
 
     /// Relative errors of texels; of probes beside the mean.
@@ -217,9 +238,10 @@ impl Sums {
         let (halves, lz4, ours) = (self.halves / n, self.lz4 / n, self.ours / n);
         println!("{label}: {} updates of {texels} texels and {probes} probes", self.updates);
         println!(
-            "  bytes an update: halves {halves}, LZ4 {lz4}, ours {ours} ({} of probes): {:.2} times \
-             smaller than LZ4",
+            "  bytes an update: halves {halves}, LZ4 {lz4}, ours {ours} ({} of probes; {} without what \
+             is known): {:.2} times smaller than LZ4",
             self.our_probes / n,
+            self.alone / n,
             ratio(self.lz4),
         );
         for (name, times) in [("encode", &mut self.encode), ("decode", &mut self.decode)] {
@@ -250,39 +272,34 @@ fn main() {
     print_blobs(&changes);
     changes.push(lamp(0.0, 1.0));
     session.apply(SnapshotId(1), changes);
-    let take = |sums: &mut Sums, update: LightingUpdate| {
-        if update.tiles.is_empty() && update.grids.is_empty() {
-            return;
+    let take = |sums: &mut Sums, shown: &mut Shown, update: LightingUpdate| {
+        if !update.tiles.is_empty() || !update.grids.is_empty() {
+            sums.add(&update, shown);
         }
-        if a.each {
-            let mut one = Sums::default();
-            one.add(&update);
-            one.print(&format!("{:?}", update.quality));
-        }
-        sums.add(&update);
     };
-    let settle = |session: &mut Session, label: &str| {
+    let mut shown = Shown::default();
+    let settle = |session: &mut Session, shown: &mut Shown, label: &str| {
         let (mut sums, start) = (Sums::default(), Instant::now());
         while !session.is_idle() && start.elapsed() < Duration::from_secs(60) {
             if let Some(update) = session.step() {
-                take(&mut sums, update);
+                take(&mut sums, shown, update);
             }
         }
         sums.print(label);
     };
-    settle(&mut session, "from nothing until converged");
+    settle(&mut session, &mut shown, "from nothing until converged");
     let mut sums = Sums::default();
     for frame in 0..a.frames {
         let along = frame as f32 / a.frames as f32;
         session.apply(SnapshotId(2 + u64::from(frame)), vec![lamp(along, 1.0)]);
         while !session.is_idle() {
             if let Some(update) = session.step() {
-                take(&mut sums, update);
+                take(&mut sums, &mut shown, update);
                 break;
             }
         }
     }
     sums.print("the lamp moves");
     session.apply(SnapshotId(1000), vec![lamp(1.0, 2.0)]);
-    settle(&mut session, "the lamp doubles and stays");
+    settle(&mut session, &mut shown, "the lamp doubles and stays");
 }

@@ -8,6 +8,7 @@ use farlight_gi_solver::{
     session::GridId,
 };
 
+use super::history::History;
 use crate::{LightingMessage, WireError};
 
 /// Edge of the blocks of texels whose newest message is remembered. Rectangles begin at multiples
@@ -23,6 +24,7 @@ pub(super) struct Arrivals {
     grids: HashMap<(GridId, u32), u64>,
     /// The newest head (snapshot, quality).
     head: u64,
+    history: History,
 }
 
 impl Arrivals {
@@ -73,6 +75,43 @@ impl Arrivals {
         WireError::check("placements", self.placements.len(), objects)?;
         WireError::check("runs of probes", self.grids.len(), objects)?;
         Ok(())
+    }
+
+    /// What is shown of a tile, as a message brought it; see [`History`].
+    pub(super) fn base(&self, page: PageId, rect: TexelRect, sequence: u64) -> Option<&[[u16; 3]]> {
+        self.history.get(page, rect, sequence)
+    }
+
+    /// Remembers the texels of what is shown now; `edge` is that of a page.
+    pub(super) fn keep(&mut self, message: &LightingMessage, edge: u32, max_pages: u32) {
+        let texels = edge as usize * edge as usize * max_pages as usize;
+        let row = edge.div_ceil(BLOCK);
+        let pages = &self.pages;
+        for tile in &message.tiles {
+            self.history.keep(message.sequence, tile, texels, |page, rect, sequence| {
+                let (x, y) = (rect.x / BLOCK, rect.y / BLOCK);
+                let end =
+                    ((rect.x + rect.width).div_ceil(BLOCK), (rect.y + rect.height).div_ceil(BLOCK));
+                let newest = pages.get(&page).map(|blocks| {
+                    (y..end.1)
+                        .flat_map(|y| (x..end.0).map(move |x| (y * row + x) as usize))
+                        .filter_map(|i| blocks.get(i))
+                        .max()
+                        .copied()
+                });
+                newest.flatten().is_none_or(|newest| newest <= sequence)
+            });
+        }
+    }
+
+    /// The server has built on what a message brought of a tile.
+    pub(super) fn built_on(&mut self, page: PageId, rect: TexelRect, sequence: u64) {
+        self.history.forget_before(page, rect, sequence);
+    }
+
+    /// The server of a new connection builds on nothing that an older one brought.
+    pub(super) fn reconnect(&mut self) {
+        self.history = History::default();
     }
 
     /// Whether snapshot and quality of a message are the newest.

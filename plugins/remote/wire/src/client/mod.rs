@@ -3,9 +3,10 @@
 mod arrivals;
 mod blobs;
 mod flights;
+mod history;
 mod mirror;
 
-use std::{collections::VecDeque, sync::Arc, time::Duration};
+use std::{cell::RefCell, collections::VecDeque, sync::Arc, time::Duration};
 
 use farlight_gi_solver::session::{SessionChange, SessionSettings, SnapshotId};
 
@@ -21,6 +22,7 @@ use flights::Flights;
 use mirror::Mirror;
 
 pub(crate) use blobs::CHUNK_BYTES;
+pub(crate) use history::VERSIONS;
 
 /// What a client session is made with.
 #[derive(Clone, Debug)]
@@ -180,6 +182,7 @@ impl ClientSession {
         self.acks.clear();
         self.outgoing.forget();
         self.flights.forget();
+        self.arrivals.reconnect();
         self.pinger = Pinger::default();
     }
 
@@ -252,10 +255,22 @@ impl ClientSession {
     }
 
     fn light(&mut self, now: Duration, bytes: &[u8]) -> Result<(), WireError> {
-        let mut message = LightingMessage::decode(bytes, &self.config.limits)?;
+        let bases = RefCell::new(Vec::new());
+        let mut message =
+            LightingMessage::decode_beside(bytes, &self.config.limits, |page, rect, sequence| {
+                bases.borrow_mut().push((page, rect, sequence));
+                self.arrivals.base(page, rect, sequence)
+            })?;
         let Limits { objects, .. } = self.config.limits;
         let SessionSettings { page_size, max_pages, .. } = self.settings;
         self.arrivals.filter(&mut message, page_size, max_pages, objects)?;
+        if message.tiles.iter().any(|tile| tile.texels.is_empty()) {
+            return Err(WireError::invalid("a lighting message", "it builds on what was not sent"));
+        }
+        self.arrivals.keep(&message, page_size, max_pages);
+        for (page, rect, sequence) in bases.into_inner() {
+            self.arrivals.built_on(page, rect, sequence);
+        }
         self.acks.push(message.sequence);
         if self.arrivals.is_newest(message.sequence) {
             self.converged =

@@ -1,5 +1,6 @@
 //! The server's side of a session.
 
+mod bases;
 mod incoming;
 mod outbox;
 mod replica;
@@ -223,13 +224,15 @@ impl ServerSession {
         if !self.answered {
             return None;
         }
-        let mut message = self.outbox.next(now, TransmitId(self.next_id + 1))?;
-        if let Some(held) = self.replica.held(now, message.snapshot) {
-            message.times = ServerTimes { held, solve: self.solve, encode: self.encode };
-        }
+        let (solve, encode) = (self.solve, self.encode);
+        let message = self.outbox.next(now, TransmitId(self.next_id + 1), |message| {
+            if let Some(held) = self.replica.held(now, message.snapshot) {
+                message.times = ServerTimes { held, solve, encode };
+            }
+        })?;
         self.solve = Duration::ZERO;
         self.encode = Duration::ZERO;
-        Some(self.transmit(Channel::Latest, message.encode()))
+        Some(self.transmit(Channel::Latest, message))
     }
 
     fn next_control(&mut self, now: Duration) -> Option<Vec<u8>> {

@@ -15,7 +15,7 @@ use farlight_gi_solver::{
     session::{GridId, LightingUpdate, Placement, Quality, SnapshotId},
 };
 
-use super::{tiles::Tiles, window::Window};
+use super::{bases::Bases, tiles::Tiles, window::Window};
 use crate::{HalfGrid, HalfTile, LightingMessage, TransmitId};
 
 /// Probes of a run that is sent and resent as one.
@@ -74,6 +74,8 @@ struct UnderWay {
     sent: Duration,
     bytes: usize,
     items: Vec<ItemKey>,
+    /// Its tiles as they will arrive, with their numbers.
+    tiles: Vec<(u32, HalfTile)>,
 }
 
 #[derive(Debug, Default)]
@@ -81,6 +83,7 @@ pub(super) struct Outbox {
     states: BTreeMap<ItemKey, State>,
     due: VecDeque<ItemKey>,
     tiles: Tiles,
+    bases: Bases,
     receivers: BTreeMap<InstanceId, Receiver>,
     probes: BTreeMap<(GridId, u32), HalfGrid>,
     quality: Quality,
@@ -108,6 +111,7 @@ impl Outbox {
             let (changed, replaced) = self.tiles.insert(HalfTile::new(tile));
             for index in replaced {
                 self.states.remove(&ItemKey::Tile(index));
+                self.bases.forget(index);
             }
             if let Some(index) = changed {
                 self.make_due(ItemKey::Tile(index), snapshot);
@@ -180,6 +184,7 @@ impl Outbox {
             self.lose(&message);
         }
         self.cancelled.clear();
+        self.bases = Bases::default();
         self.window = Window::default();
     }
 
@@ -204,6 +209,11 @@ impl Outbox {
                 *state = State::Shown;
             }
         }
+        for (index, tile) in message.tiles {
+            if self.tiles.get(index).is_some_and(|t| t.page == tile.page && t.rect == tile.rect) {
+                self.bases.arrived(index, sequence, tile.texels);
+            }
+        }
         self.window.arrived(now.saturating_sub(message.sent), message.bytes);
     }
 
@@ -221,6 +231,9 @@ impl Outbox {
                 && let Some(message) = self.under_way.remove(at)
             {
                 self.cancelled.push_back(message.transmit);
+                for (index, _) in &message.tiles {
+                    self.bases.cancelled(*index, message.sequence);
+                }
                 self.lose(&message);
             } else {
                 at += 1;
@@ -234,7 +247,13 @@ impl Outbox {
     }
 
     /// The next message, to be sent as `transmit`, if something is due and the network takes it.
-    pub(super) fn next(&mut self, now: Duration, transmit: TransmitId) -> Option<LightingMessage> {
+    /// `stamp` may complete it.
+    pub(super) fn next(
+        &mut self,
+        now: Duration,
+        transmit: TransmitId,
+        stamp: impl FnOnce(&mut LightingMessage),
+    ) -> Option<Vec<u8>> {
         self.cancel_late(now);
         if self.due.is_empty() || self.waits_for_the_rest() {
             return None;
@@ -272,8 +291,17 @@ impl Outbox {
             // This was not the last word.
             self.make_due(ItemKey::Head, self.published);
         }
-        self.under_way.push_back(UnderWay { sequence, transmit, sent: now, bytes, items });
-        Some(message)
+        stamp(&mut message);
+        let number_of = |tile: &HalfTile| self.tiles.find(tile.page, tile.rect);
+        let (encoding, rounded) =
+            message.encode_beside(|tile| number_of(tile).and_then(|i| self.bases.of(i)));
+        let tiles: Vec<(u32, HalfTile)> =
+            rounded.tiles.into_iter().filter_map(|tile| Some((number_of(&tile)?, tile))).collect();
+        for (index, _) in &tiles {
+            self.bases.sent(*index, sequence);
+        }
+        self.under_way.push_back(UnderWay { sequence, transmit, sent: now, bytes, items, tiles });
+        Some(encoding)
     }
 
     /// Adds an item; the bytes that it counts.

@@ -48,6 +48,13 @@ impl Tiles {
         (Some(index), overlapped)
     }
 
+    /// The number of the tile with just this rectangle.
+    pub(super) fn find(&self, page: PageId, rect: TexelRect) -> Option<u32> {
+        let cell = cells(page, &rect).next()?;
+        let mut near = self.cells.get(&cell)?.iter().copied();
+        near.find(|i| self.get(*i).is_some_and(|tile| tile.rect == rect))
+    }
+
     pub(super) fn get(&self, index: u32) -> Option<&HalfTile> {
         self.tiles.get(index as usize)?.as_ref()
     }

@@ -7,19 +7,22 @@
 //! 2. Quality: the relative error (`f32`), rays a texel, converged (a byte 0 or 1).
 //! 3. The count of placements, and for each: instance, page, x, y, width, height.
 //! 4. The count of refused receivers, and for each: instance, length of the text, text.
-//! 5. The count of tiles, and for each: page, x, y, width, height.
+//! 5. The count of tiles, and for each: page, x, y, width, height, and by how much the number of the
+//!    message that brought its base is smaller than this message's (0: none).
 //! 6. The count of runs of probes, and for each: grid, resolution (three), first, count.
 //! 7. The length of what follows: nothing, or one arithmetic code with packed bits
 //!    ([`codec`](crate::codec)) of all texels in the order of the tiles ([`tile`]) and all probes in
 //!    the order of the runs ([`probe`]), and zeros.
 //!
-//! It stands for itself: nothing of it depends on other messages, which may be lost. What is
-//! learned, is learned over all tiles of a message.
+//! A tile may be coded beside a *base*: what the other side is known to have of the very tile, by an
+//! older message. Otherwise it stands for itself. What is learned, is learned over all tiles of a
+//! message and not beyond, since messages may be lost.
 //!
 //! # Exactness
 //! Lossy within documented bounds: see [`step`] for texels and [`probe`] for probes.
 //! [`LightingMessage::rounded`] is what arrives.
 
+mod octave;
 mod probe;
 mod read;
 mod step;
@@ -33,12 +36,12 @@ use farlight_gi_solver::{
 };
 
 use crate::{
-    HalfGrid, LightingMessage,
+    HalfGrid, HalfTile, LightingMessage,
     codec::{BitCoder, RangeEncoder, Writer},
 };
 use probe::ProbeCoder;
 use step::Step;
-use tile::TileCoder;
+use tile::{TileCoder, is_smoother_beside};
 
 /// Pages there may be.
 const PAGES: u32 = 64;
@@ -58,26 +61,47 @@ impl LightingMessage {
     /// [`decode`](Self::decode)) are left out, reasons are cut off and times above 584 years too.
     #[must_use]
     pub fn encode(&self) -> Vec<u8> {
+        self.encode_beside(|_| None).0
+    }
+
+    /// Its encoding, and what will arrive. `base` answers what the other side has of a tile, if it is
+    /// known, and the number of the message that brought it.
+    #[must_use]
+    pub fn encode_beside<'a>(
+        &self,
+        base: impl Fn(&HalfTile) -> Option<(u64, &'a [[u16; 3]])>,
+    ) -> (Vec<u8>, Self) {
         let mut message = self.without_invalid();
+        let choose = |tile: &HalfTile| {
+            let (number, texels) = base(tile)?;
+            let good = number < self.sequence && is_smoother_beside(&tile.texels, texels);
+            good.then_some((self.sequence - number, texels))
+        };
+        let (distances, bases): (Vec<u64>, Vec<_>) = message
+            .tiles
+            .iter()
+            .map(choose)
+            .map(|base| (base.map_or(0, |(distance, _)| distance), base.map(|(_, texels)| texels)))
+            .unzip();
         let mut code = Vec::new();
         let (texels, probes) = (message.texels(), message.probes());
         if texels + probes > 0 {
             let mut coder = RangeEncoder::new();
-            message.code(&mut coder);
+            message.code(&mut coder, &bases);
             code = coder.finish();
             code.resize(code.len().max(least_code(texels, probes)), 0);
         }
         let mut out = Writer::default();
-        message.write_head(&mut out);
+        message.write_head(&mut out, &distances);
         out.bytes(&code);
-        out.finish()
+        (out.finish(), message)
     }
 
     /// What arrives: [`decode`](Self::decode) of [`encode`](Self::encode).
     #[must_use]
     pub fn rounded(&self) -> Self {
         let mut message = self.without_invalid();
-        message.code(&mut RangeEncoder::new());
+        message.code(&mut RangeEncoder::new(), &[]);
         message
     }
 
@@ -98,13 +122,15 @@ impl LightingMessage {
         message
     }
 
-    /// Codes all texels and probes; they hold afterwards what the other side has.
-    fn code(&mut self, coder: &mut impl BitCoder) {
+    /// Codes all texels and probes; they hold afterwards what the other side has. Tiles have bases in
+    /// the same order, if any.
+    fn code(&mut self, coder: &mut impl BitCoder, bases: &[Option<&[[u16; 3]]>]) {
         let step = Step::of(&self.quality);
         if !self.tiles.is_empty() {
             let mut tiles = TileCoder::new(step);
-            for tile in &mut self.tiles {
-                tiles.code(coder, tile.rect.width as usize, &mut tile.texels);
+            for (i, tile) in self.tiles.iter_mut().enumerate() {
+                let base = bases.get(i).copied().flatten();
+                tiles.code(coder, tile.rect.width as usize, &mut tile.texels, base);
             }
         }
         if !self.grids.is_empty() {
@@ -123,7 +149,7 @@ impl LightingMessage {
         self.grids.iter().map(|grid| grid.probes.len()).sum()
     }
 
-    fn write_head(&self, out: &mut Writer) {
+    fn write_head(&self, out: &mut Writer, distances: &[u64]) {
         let Self { sequence, snapshot, times, quality, placements, refused, tiles, grids } = self;
         out.varint(*sequence);
         out.varint(snapshot.0);
@@ -145,8 +171,9 @@ impl LightingMessage {
             out.bytes(reason.as_bytes());
         }
         out.count(tiles.len());
-        for tile in tiles {
+        for (tile, distance) in tiles.iter().zip(distances) {
             write_rect(out, tile.page, tile.rect);
+            out.varint(*distance);
         }
         out.count(grids.len());
         for HalfGrid { grid, resolution, first, probes } in grids {

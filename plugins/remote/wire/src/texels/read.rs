@@ -27,6 +27,23 @@ impl LightingMessage {
     /// bytes of text. Or not valid: rectangles lie on a page below 64, have at least one texel and
     /// end at 4096; runs of probes lie in their grid.
     pub fn decode(bytes: &[u8], limits: &Limits) -> Result<Self, WireError> {
+        let message = Self::decode_beside(bytes, limits, |_, _, _| None)?;
+        if message.tiles.iter().any(|tile| tile.texels.is_empty()) {
+            return Err(WireError::invalid(WHAT, "it builds on a message that is not there"));
+        }
+        Ok(message)
+    }
+
+    /// [`decode`](Self::decode) of what [`encode_beside`](Self::encode_beside) made. `base` answers
+    /// the texels of a tile that a message brought; a tile whose base is not there has no texels.
+    ///
+    /// # Errors
+    /// As `decode`, or a base is of a message that can't have come before.
+    pub fn decode_beside<'a>(
+        bytes: &[u8],
+        limits: &Limits,
+        base: impl Fn(PageId, TexelRect, u64) -> Option<&'a [[u16; 3]]>,
+    ) -> Result<Self, WireError> {
         let mut reader = Reader::new(WHAT, bytes);
         let mut message = Self {
             sequence: reader.varint()?,
@@ -41,22 +58,35 @@ impl LightingMessage {
         let grids = read_grids(&mut reader, limits)?;
         let code = reader.bytes(usize::MAX)?;
         reader.end()?;
-        let texels = tiles.iter().map(|(_, rect)| rect.area()).sum();
+        let texels = tiles.iter().map(|(_, rect, _)| rect.area()).sum();
         let probes = grids.iter().map(|(_, count)| count).sum();
         if code.len() < least_code(texels, probes) {
             return Err(reader.invalid("it says that it holds more light than its bytes can"));
         }
+        let mut bases: Vec<Option<&[[u16; 3]]>> = Vec::with_capacity(tiles.len());
+        let mut missing = Vec::new();
+        for (i, (page, rect, distance)) in tiles.iter().enumerate() {
+            let number = message.sequence.checked_sub(*distance);
+            let number = number.ok_or_else(|| reader.invalid("it builds on no message"))?;
+            let found = (*distance > 0).then(|| base(*page, *rect, number));
+            let found = found.map(|found| found.filter(|texels| texels.len() == rect.area()));
+            if found == Some(None) {
+                missing.push(i);
+            }
+            bases.push(found.map(Option::unwrap_or_default));
+        }
         message.tiles = tiles
-            .into_iter()
-            .map(|(page, rect)| HalfTile { page, rect, texels: vec![[0; 3]; rect.area()] })
+            .iter()
+            .map(|&(page, rect, _)| HalfTile { page, rect, texels: vec![[0; 3]; rect.area()] })
             .collect();
         message.grids = grids
             .into_iter()
             .map(|(grid, count)| HalfGrid { probes: vec![[[0; 3]; 9]; count], ..grid })
             .collect();
         if texels + probes > 0 {
-            message.code(&mut RangeDecoder::new(WHAT, code)?);
+            message.code(&mut RangeDecoder::new(WHAT, code)?, &bases);
         }
+        missing.into_iter().for_each(|i| message.tiles[i].texels.clear());
         Ok(message)
     }
 }
@@ -90,14 +120,14 @@ fn read_refused(reader: &mut Reader<'_>) -> Result<Vec<(InstanceId, Arc<str>)>, 
 fn read_tiles(
     reader: &mut Reader<'_>,
     limits: &Limits,
-) -> Result<Vec<(PageId, TexelRect)>, WireError> {
-    let count = reader.count(5, limits.texels)?;
+) -> Result<Vec<(PageId, TexelRect, u64)>, WireError> {
+    let count = reader.count(6, limits.texels)?;
     let mut texels = 0_usize;
     let tile = |_| {
         let (page, rect) = read_rect(reader)?;
         texels = texels.saturating_add(rect.area());
         WireError::check("texels of a lighting message", texels, limits.texels)?;
-        Ok((page, rect))
+        Ok((page, rect, reader.varint()?))
     };
     (0..count).map(tile).collect()
 }

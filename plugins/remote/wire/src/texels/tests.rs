@@ -228,6 +228,46 @@ fn what_is_not_valid_is_left_out() {
     assert_eq!((back.refused.len(), back.refused[0].1.len()), (REFUSED, REASON));
 }
 
+/// Brighter light with the same noise: almost nothing but the difference is sent.
+#[test]
+fn tiles_beside_a_base_are_small_and_exact() {
+    let mut new = valid();
+    new.tiles[1] = tile(0, rect(32, 0, 31, 32), 0.5);
+    let old = LightingMessage { sequence: 3, ..new.clone() }.rounded();
+    for texel in new.tiles.iter_mut().flat_map(|tile| &mut tile.texels) {
+        *texel = texel.map(|bits| f16::from_f32(f16::from_bits(bits).to_f32() * 1.2).to_bits());
+    }
+    // One tile the other side does not have, one has become another light altogether.
+    new.tiles[3].rect.x = 16;
+    new.tiles[0].texels.reverse();
+    let find = |page: PageId, rect: TexelRect| {
+        old.tiles.iter().find(|t| t.page == page && t.rect == rect).map(|t| &t.texels[..])
+    };
+    let (bytes, sent) = new.encode_beside(|t| find(t.page, t.rect).map(|texels| (3, texels)));
+    let base = |page, rect, number| find(page, rect).filter(|_| number == 3);
+    let limits = Limits::default();
+    let back = LightingMessage::decode_beside(&bytes, &limits, base).unwrap();
+    assert_eq!(back, sent);
+    assert_eq!(back.tiles[0], new.rounded().tiles[0], "coded by itself");
+    assert!(bytes.len() + 1000 < new.encode().len(), "{} {}", bytes.len(), new.encode().len());
+    for (tile, exact) in back.tiles.iter().zip(&new.tiles) {
+        for (got, sent) in tile.texels.iter().flatten().zip(exact.texels.iter().flatten()) {
+            assert!(got.abs_diff(*sent) <= Step::of(&new.quality).units(), "{got} {sent}");
+        }
+    }
+    // Who has lost a base still finds the others.
+    let lost = |page, rect: TexelRect, number| base(page, rect, number).filter(|_| rect.x != 32);
+    let back = LightingMessage::decode_beside(&bytes, &limits, lost).unwrap();
+    for (i, tile) in back.tiles.iter().enumerate() {
+        if i == 1 {
+            assert!(tile.texels.is_empty());
+        } else {
+            assert_eq!(tile, &sent.tiles[i]);
+        }
+    }
+    assert!(decode(&bytes).is_err());
+}
+
 #[test]
 fn cut_and_lengthened_messages_are_refused() {
     let bytes = valid().encode();
@@ -260,6 +300,7 @@ fn limits_hold() {
 struct Forged {
     error: f32,
     rect: [u64; 5],
+    distance: u64,
     resolution: [u64; 3],
     first: u64,
     count: u64,
@@ -269,6 +310,7 @@ struct Forged {
 const FAIR: Forged = Forged {
     error: 0.0,
     rect: [0, 0, 0, 8, 8],
+    distance: 0,
     resolution: [2, 2, 2],
     first: 4,
     count: 4,
@@ -283,6 +325,7 @@ impl Forged {
         // Rays, convergence, no placements, nothing refused, one tile, one grid.
         out.raw(&[0, 0, 0, 0, 1]);
         self.rect.into_iter().for_each(|n| out.varint(n));
+        out.varint(self.distance);
         out.raw(&[1, 9]);
         self.resolution.into_iter().for_each(|n| out.varint(n));
         out.varint(self.first);
@@ -297,6 +340,7 @@ fn lies_are_refused() {
     assert!(FAIR.decode().is_ok());
     let refused = |forged: Forged| assert!(forged.decode().is_err());
     refused(Forged { error: f32::NAN, ..FAIR });
+    refused(Forged { distance: 1, ..FAIR });
     for rect in [
         [64, 0, 0, 8, 8],
         [0, 4096, 0, 1, 8],
@@ -344,6 +388,6 @@ fn golden_bytes() {
 }
 
 const GOLDEN: &str = "\
-    ac0205000000a69b443c800801010801040406030109037768790101040406030102020101000246\
-    390209d6877d05713605b8a6a8982c70503495a4cb561c48119778ea739e14d7ae163da1a1eee70f\
-    6e7df165f4da1a37e95c525ea9b8586e99c3f0c535d389359e62088412cf";
+    ac0205000000a69b443c800801010801040406030109037768790101040406030001020201010002\
+    46390209d6877d05713605b8a6a8982c70503495a4cb561c48119778ea739e14d7ae163da1a1eee7\
+    0f6e7df165f4da1a37e95c525ea9b8586e99c3f0c535d389359e62088412cf";

@@ -5,9 +5,21 @@
 //! above and between them; red and blue by the same predictor of their difference to green, which is
 //! the logarithm of a ratio and mostly smooth. How large the error will be is judged by the errors
 //! at the neighbours and in green, and by how much the neighbours differ.
+//!
+//! Where the other side has an older state of the tile, its growth since then is predicted instead, in
+//! logarithms. Light that moves changes texels much alike, and noise stays where it is, since a solver
+//! keeps its rays. No context depends on the older state: a reader that lacks it still finds the
+//! tiles behind.
 
-use super::step::Step;
+use super::{
+    octave::{half_of, log_of},
+    step::{LARGEST, Step},
+};
 use crate::codec::{BitCoder, Context, Residuals, class, coarse};
+
+/// Kinds of coding.
+const ALONE: usize = 0;
+const BESIDE: usize = 1;
 
 const RED: usize = 0;
 const GREEN: usize = 1;
@@ -22,8 +34,9 @@ const BEYOND: u32 = 8;
 #[derive(Debug)]
 pub(super) struct TileCoder {
     step: Step,
-    models: [Residuals; 3],
-    /// Levels of the row above and of this one, with one more at the left and two at the right.
+    /// For texels by themselves and for those beside others.
+    models: [[Residuals; 3]; 2],
+    /// Levels, or differences of logarithms, of the row above and of this one, with one more at the left and two at the right.
     above: Vec<[i32; 3]>,
     row: Vec<[i32; 3]>,
     /// Magnitudes of the errors there.
@@ -67,11 +80,18 @@ impl Around<i32> {
     }
 }
 
+impl Around<u32> {
+    /// What errors around make likely.
+    fn usual(&self) -> u32 {
+        (2 * self.left + 2 * self.above + self.above_left + self.above_right) / 4
+    }
+}
+
 impl TileCoder {
     pub(super) fn new(step: Step) -> Self {
         Self {
             step,
-            models: std::array::from_fn(|_| Residuals::new()),
+            models: std::array::from_fn(|_| std::array::from_fn(|_| Residuals::new())),
             above: Vec::new(),
             row: Vec::new(),
             errors_above: Vec::new(),
@@ -80,16 +100,19 @@ impl TileCoder {
         }
     }
 
-    /// Codes the rows of a tile, `width` texels each. A decoder fills them in.
+    /// Codes the rows of a tile, `width` texels each, as they are or beside an older state. A decoder
+    /// fills them in.
     pub(super) fn code(
         &mut self,
         coder: &mut impl BitCoder,
         width: usize,
         texels: &mut [[u16; 3]],
+        base: Option<&[[u16; 3]]>,
     ) {
+        let start = if base.is_some() { [0; 3] } else { self.start };
         for rows in [&mut self.above, &mut self.row] {
             rows.clear();
-            rows.resize(width + 3, self.start);
+            rows.resize(width + 3, start);
         }
         for rows in [&mut self.errors_above, &mut self.errors] {
             rows.clear();
@@ -103,8 +126,15 @@ impl TileCoder {
                     self.above[x + 1] = left;
                     self.above[x + 2] = left;
                 }
-                self.texel(coder, x + 1, texel);
-                if x == 0 && y == 0 {
+                match base {
+                    None => self.alone(coder, x + 1, texel),
+                    // Whoever lacks the base codes beside black, and throws the tile away.
+                    Some(base) => {
+                        let old = base.get(y * width + x).copied().unwrap_or_default();
+                        self.beside(coder, x + 1, texel, old);
+                    }
+                }
+                if x == 0 && y == 0 && base.is_none() {
                     self.start = self.row[1];
                 }
             }
@@ -118,10 +148,9 @@ impl TileCoder {
         }
     }
 
-    /// Codes the texel at `x` of the row, which has its left neighbour at `x - 1`.
-    #[inline]
-    fn texel(&mut self, coder: &mut impl BitCoder, x: usize, texel: &mut [u16; 3]) {
-        let levels = Around {
+    /// What stands around the place `x` of the row, which has its left neighbour at `x - 1`.
+    fn around(&self, x: usize) -> (Around<[i32; 3]>, Around<[u32; 3]>) {
+        let values = Around {
             left: self.row[x - 1],
             above: self.above[x],
             above_left: self.above[x - 1],
@@ -133,13 +162,17 @@ impl TileCoder {
             above_left: self.errors_above[x - 1],
             above_right: self.errors_above[x + 1],
         };
+        (values, errors)
+    }
+
+    /// Codes a texel by itself; rows hold levels.
+    #[inline]
+    fn alone(&mut self, coder: &mut impl BitCoder, x: usize, texel: &mut [u16; 3]) {
+        let (levels, errors) = self.around(x);
         let wanted = texel.map(|bits| self.step.level(bits));
         let mut coded = [0; 3];
-        // Errors of green and of the channel coded before.
-        let (mut green, mut before) = (0_i32, 0_i32);
+        let mut before = Before::default();
         for channel in [GREEN, RED, BLUE] {
-            let near = errors.map(|e| e[channel]);
-            let near = (2 * near.left + 2 * near.above + near.above_left + near.above_right) / 4;
             let plain = levels.map(|l| l[channel]);
             let (predicted, spread) = if channel == GREEN {
                 (plain.predict(), plain.spread())
@@ -148,21 +181,82 @@ impl TileCoder {
                 (ratio.predict() + coded[GREEN], ratio.spread())
             };
             let predicted = predicted.clamp(0, self.step.top());
-            let context = Context {
-                first: (class(near), coarse(green.unsigned_abs())),
-                second: (class(spread / 2), coarse(before.unsigned_abs())),
-                sign: (green.signum() * 3 + before.signum() + 4) as usize,
-            };
+            let context = before.context(errors.map(|e| e[channel]).usual(), spread / 2);
             let error = wanted[channel] - predicted;
-            let error = self.models[channel].code(coder, context, error);
+            let error = self.models[ALONE][channel].code(coder, context, error);
             coded[channel] = (predicted + error).clamp(0, self.step.top());
             self.errors[x][channel] = error.unsigned_abs();
-            before = error;
-            if channel == GREEN {
-                green = error;
-            }
+            before.saw(channel, error);
         }
         self.row[x] = coded;
         *texel = coded.map(|level| self.step.bits(level));
     }
+
+    /// Codes a texel beside an `old` state; rows hold differences of logarithms to that.
+    #[inline]
+    fn beside(&mut self, coder: &mut impl BitCoder, x: usize, texel: &mut [u16; 3], old: [u16; 3]) {
+        let (grown, errors) = self.around(x);
+        let old = old.map(log_of);
+        let mut growth = [0; 3];
+        let mut before = Before::default();
+        for channel in [GREEN, RED, BLUE] {
+            let expected = if channel == GREEN {
+                grown.map(|g| g[GREEN]).predict()
+            } else {
+                grown.map(|g| g[channel] - g[GREEN]).predict() + growth[GREEN]
+            };
+            let predicted = self.step.level(half_of(old[channel] + expected));
+            // Nothing here may depend on the base.
+            let near = errors.map(|e| e[channel]);
+            let far = near.above_left.max(near.above_right);
+            let context = before.context(near.usual(), far);
+            let error = self.step.level(texel[channel]) - predicted;
+            let error = self.models[BESIDE][channel].code(coder, context, error);
+            let level = (predicted + error).clamp(0, self.step.top());
+            texel[channel] = self.step.bits(level);
+            growth[channel] = log_of(texel[channel]) - old[channel];
+            self.errors[x][channel] = error.unsigned_abs();
+            before.saw(channel, error);
+        }
+        self.row[x] = growth;
+    }
+}
+
+/// Errors of the channels of a texel that were coded before.
+#[derive(Default)]
+struct Before {
+    green: i32,
+    last: i32,
+}
+
+impl Before {
+    fn context(&self, near: u32, spread: u32) -> Context {
+        let Self { green, last } = *self;
+        Context {
+            first: (class(near), coarse(green.unsigned_abs())),
+            second: (class(spread), coarse(last.unsigned_abs())),
+            sign: (green.signum() * 3 + last.signum() + 4) as usize,
+        }
+    }
+
+    fn saw(&mut self, channel: usize, error: i32) {
+        self.last = error;
+        if channel == GREEN {
+            self.green = error;
+        }
+    }
+}
+
+/// Whether a tile is smoother beside an older state than by itself: by the differences of green from
+/// texel to texel.
+pub(super) fn is_smoother_beside(texels: &[[u16; 3]], base: &[[u16; 3]]) -> bool {
+    let log = |texel: &[u16; 3]| log_of(texel[GREEN].min(LARGEST));
+    let growth = |(texel, base): (&[u16; 3], &[u16; 3])| log(texel) - log(base);
+    let (mut alone, mut beside) = (0, 0);
+    let pairs = texels.iter().zip(base);
+    for (a, b) in pairs.clone().zip(pairs.skip(1)) {
+        alone += u64::from(log(a.0).abs_diff(log(b.0)));
+        beside += u64::from(growth(a).abs_diff(growth(b)));
+    }
+    texels.len() == base.len() && beside <= alone
 }

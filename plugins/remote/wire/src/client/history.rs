@@ -1,0 +1,102 @@
+//! What was shown of each tile before, since the server sends differences to that.
+
+use std::collections::{HashMap, VecDeque};
+
+use farlight_gi_solver::atlas::{PageId, TexelRect};
+
+use crate::HalfTile;
+
+/// Versions of a tile that are kept. The server builds on none that is older.
+pub(crate) const VERSIONS: usize = 9;
+
+/// The last versions of every tile.
+#[derive(Debug, Default)]
+pub(super) struct History {
+    tiles: HashMap<(PageId, TexelRect), VecDeque<Version>>,
+    texels: usize,
+}
+
+/// What a message brought.
+#[derive(Debug)]
+struct Version {
+    sequence: u64,
+    texels: Vec<[u16; 3]>,
+}
+
+impl History {
+    /// What a message brought of a tile.
+    pub(super) fn get(&self, page: PageId, rect: TexelRect, sequence: u64) -> Option<&[[u16; 3]]> {
+        let versions = self.tiles.get(&(page, rect))?;
+        Some(&versions.iter().find(|version| version.sequence == sequence)?.texels)
+    }
+
+    /// Keeps a tile that is shown now. `texels` are those of all pages.
+    pub(super) fn keep(
+        &mut self,
+        sequence: u64,
+        tile: &HalfTile,
+        texels: usize,
+        is_shown: impl Fn(PageId, TexelRect, u64) -> bool,
+    ) {
+        if self.texels > 2 * VERSIONS * texels {
+            // Tiles whose place others have taken.
+            self.tiles.retain(|(page, rect), versions| {
+                versions.back().is_some_and(|newest| is_shown(*page, *rect, newest.sequence))
+            });
+            self.texels = self.tiles.values().flatten().map(|version| version.texels.len()).sum();
+        }
+        let versions = self.tiles.entry((tile.page, tile.rect)).or_default();
+        if versions.len() == VERSIONS
+            && let Some(oldest) = versions.pop_front()
+        {
+            self.texels -= oldest.texels.len();
+        }
+        self.texels += tile.texels.len();
+        versions.push_back(Version { sequence, texels: tile.texels.clone() });
+    }
+
+    /// The server has built on a version, so it builds on no older one any more.
+    pub(super) fn forget_before(&mut self, page: PageId, rect: TexelRect, sequence: u64) {
+        let Some(versions) = self.tiles.get_mut(&(page, rect)) else { return };
+        while versions.front().is_some_and(|oldest| oldest.sequence < sequence)
+            && let Some(oldest) = versions.pop_front()
+        {
+            self.texels -= oldest.texels.len();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tile(x: u32) -> HalfTile {
+        let rect = TexelRect { x, y: 0, width: 4, height: 1 };
+        HalfTile { page: PageId(0), rect, texels: vec![[x as u16; 3]; 4] }
+    }
+
+    #[test]
+    fn versions_are_found_until_the_server_has_gone_on() {
+        let mut history = History::default();
+        let rect = tile(0).rect;
+        for sequence in 1..=VERSIONS as u64 + 2 {
+            history.keep(sequence, &tile(0), 100, |_, _, _| true);
+        }
+        let found = |history: &History, sequence| history.get(PageId(0), rect, sequence).is_some();
+        assert!(!found(&history, 2) && found(&history, 3));
+        history.forget_before(PageId(0), rect, 5);
+        assert!(!found(&history, 4) && found(&history, 5) && found(&history, 11));
+        assert_eq!(history.texels, 4 * 7);
+        assert!(history.get(PageId(0), tile(4).rect, 5).is_none());
+    }
+
+    #[test]
+    fn what_is_no_longer_shown_goes() {
+        let mut history = History::default();
+        for x in 0..1000 {
+            history.keep(u64::from(x), &tile(x), 4, |_, rect, _| rect.x + 5 > x);
+        }
+        assert!(history.texels <= 2 * VERSIONS * 4 + 4, "{}", history.texels);
+        assert!(history.get(PageId(0), tile(999).rect, 999).is_some());
+    }
+}
