@@ -7,7 +7,7 @@
 //! remote solver gets exactly what a local one would.
 //!
 //! What travels is the same head and then every array in pieces, each compressed by itself: see
-//! [`column`].
+//! [`mod@column`].
 
 mod check;
 mod column;

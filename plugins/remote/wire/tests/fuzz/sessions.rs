@@ -6,18 +6,18 @@ use farlight_gi_solver::{
     SceneChange,
     atlas::{PageId, TexelRect},
     scene::{
-        Instance, InstanceId, Light, LightId, LightKind, Material, MaterialId, MeshId, Sky,
+        Instance, InstanceId, Light, LightId, LightKind, Material, MaterialId, Mesh, MeshId, Sky,
         TextureId,
     },
     session::{
-        GridId, GridUpdate, LightingUpdate, Placement, ProbeGrid, Quality, SessionChange,
+        GridId, GridUpdate, LightingUpdate, Placement, ProbeGrid, Quality, Session, SessionChange,
         SessionSettings, SnapshotId, Tile,
     },
     sh::ShRgb,
 };
 use farlight_wire::{
-    Blob, BlobStore, Channel, ClientConfig, ClientHello, ClientSession, Limits, ServerConfig,
-    ServerSession, Token, View,
+    Blob, BlobStore, Channel, ClientConfig, ClientHello, ClientSession, LightingMessage, Limits,
+    ServerConfig, ServerSession, Token, View,
 };
 use glam::{Affine3A, Quat, UVec3, Vec3};
 
@@ -305,4 +305,134 @@ fn fuzz_client_session() {
         client.disconnected();
         accepted
     });
+}
+
+/// What a server session lets through must not stop a solver, however odd it is. The light that
+/// comes of it is encoded, read and shown.
+#[test]
+fn fuzz_solver() {
+    let (fair, _) = conversation();
+    let settings = small_solver();
+    let mut tiles = 0;
+    mutate::fuzz("solver", 60, corpus(&fair), |random, input| {
+        let (mut server, store) = (server(), BlobStore::new(1 << 20));
+        let mut solver = Session::new(settings.clone());
+        server.attach(Duration::ZERO, false);
+        for (i, (channel, message)) in script(random, &fair, input).into_iter().enumerate() {
+            let now = Duration::from_millis(30 * i as u64);
+            if server.receive(now, channel, &message, &store).is_err() {
+                return false;
+            }
+            if let Some((snapshot, changes)) = server.take_changes() {
+                solver.apply(snapshot, changes);
+                for _ in 0..20 {
+                    if let Some(update) = solver.step() {
+                        tiles += update.tiles.len();
+                        server.publish(now, &update, Duration::ZERO);
+                    }
+                }
+            }
+            while let Some(transmit) = server.poll_transmit(now) {
+                if transmit.channel == Channel::Latest {
+                    LightingMessage::decode(&transmit.message, &limits()).expect("our own");
+                }
+            }
+        }
+        true
+    });
+    assert!(tiles > 0, "nothing was lit");
+}
+
+/// Meshes and images with odd numbers, as far as a client sends them, must not stop a solver.
+#[test]
+fn fuzz_odd_scene() {
+    const ODD: [f32; 8] = [0.0, -0.0, 1e-40, 1e-20, 1e9, 1e20, 3e38, -3e38];
+    let settings = small_solver();
+    // A patch is an attribute, a vertex and a number.
+    let patch = |what: u8, vertex: u8, number: f32| {
+        let mut bytes = vec![what, vertex];
+        bytes.extend_from_slice(&number.to_le_bytes());
+        bytes
+    };
+    let mut corpus: Vec<Vec<u8>> = vec![Vec::new()];
+    for (i, number) in ODD.into_iter().enumerate() {
+        corpus.extend((0..4).map(|what| patch(what, 3 * i as u8, number)));
+    }
+    corpus.push(corpus.concat());
+    let mut tiles = 0;
+    mutate::fuzz("odd_scene", 60, corpus, |_, input| {
+        let mut changes = scene();
+        for change in &mut changes {
+            match change {
+                SessionChange::Scene(SceneChange::SetMesh(_, mesh)) => {
+                    patch_mesh(Arc::make_mut(mesh), input);
+                }
+                SessionChange::Scene(SceneChange::SetSky(Sky::Image { image, .. })) => {
+                    let texels = &mut Arc::make_mut(image).texels;
+                    for patch in input.chunks_exact(6).filter(|patch| patch[0] & 4 != 0) {
+                        let texel = usize::from(patch[1]) % texels.len();
+                        texels[texel].x = number(patch);
+                    }
+                }
+                _ => {}
+            }
+        }
+        let (mut client, mut server, store) = (client(), server(), BlobStore::new(1 << 20));
+        let mut solver = Session::new(settings.clone());
+        client.submit(Duration::ZERO, SnapshotId(1), changes);
+        client.connected(Duration::ZERO);
+        client.poll_transmit(Duration::ZERO).expect("a greeting");
+        server.attach(Duration::ZERO, false);
+        for _ in 0..4 {
+            while let Some(transmit) = client.poll_transmit(Duration::ZERO) {
+                client.sent(Duration::ZERO, transmit.id);
+                let receive =
+                    server.receive(Duration::ZERO, transmit.channel, &transmit.message, &store);
+                receive.expect("a client sends nothing that a server refuses");
+            }
+            if let Some((snapshot, changes)) = server.take_changes() {
+                solver.apply(snapshot, changes);
+            }
+            while let Some(transmit) = server.poll_transmit(Duration::ZERO) {
+                let receive = client.receive(Duration::ZERO, transmit.channel, &transmit.message);
+                receive.expect("a server sends nothing that a client refuses");
+            }
+            for _ in 0..5 {
+                if let Some(update) = solver.step() {
+                    tiles += update.tiles.len();
+                    server.publish(Duration::ZERO, &update, Duration::ZERO);
+                }
+            }
+        }
+        true
+    });
+    assert!(tiles > 0, "nothing was lit");
+}
+
+fn number(patch: &[u8]) -> f32 {
+    f32::from_le_bytes([patch[2], patch[3], patch[4], patch[5]])
+}
+
+fn patch_mesh(mesh: &mut Mesh, input: &[u8]) {
+    for patch in input.chunks_exact(6) {
+        let vertex = usize::from(patch[1]) % mesh.positions.len();
+        match patch[0] % 4 {
+            0 => mesh.positions[vertex].y = number(patch),
+            1 => mesh.normals[vertex].x = number(patch),
+            2 => mesh.uv0[vertex].y = number(patch),
+            _ => mesh.uv1[vertex].x = number(patch),
+        }
+    }
+}
+
+fn small_solver() -> SessionSettings {
+    SessionSettings {
+        page_size: 32,
+        max_pages: 1,
+        rays_per_texel: 64,
+        rays_per_probe: 64,
+        converged_paths: 64,
+        threads: 1,
+        ..Default::default()
+    }
 }
