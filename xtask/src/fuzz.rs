@@ -6,7 +6,8 @@ use crate::{Failure, process};
 pub(crate) const HELP: &str = "\
 cargo xtask fuzz [--seconds N] [--seed N] [TARGET]
 
-Feeds damaged, random and lying input to the decoders and sessions of remote lighting. Nothing may
+Feeds damaged, random and lying input to the decoders and sessions of remote lighting, and what they
+accept to a solver. Nothing may
 panic, take more memory than the limits say, or change when it is sent on. The stable toolchain is
 enough: inputs are mutations of valid ones, without feedback from the code that they reach. The
 tests run every target briefly; this runs each for N seconds.
@@ -15,7 +16,7 @@ tests run every target briefly; this runs each for N seconds.
   --seed N      other inputs (default 1)
   TARGET        only targets whose name contains it:
                 blob lighting invitation greeting client_session server_session
-                client_message server_message hello_and_welcome
+                client_message server_message hello_and_welcome solver odd_scene
 
 An input that fails is printed in hexadecimal, with its seed and number.
 ";

@@ -145,7 +145,9 @@ impl MeshTexels {
     /// or where that belongs to another chart the nearest around it that belongs to the right one.
     pub(crate) fn lookup(&self, triangle: u32, uv: Vec2) -> Option<u32> {
         let chart = self.triangle_chart[triangle as usize];
-        let p = uv * Vec2::new(self.width as f32, self.height as f32);
+        let size = Vec2::new(self.width as f32, self.height as f32);
+        // Far outside there is nothing, however far.
+        let p = (uv * size).clamp(Vec2::splat(-2.0), size + 2.0);
         let (x, y) = (p.x.floor() as i64, p.y.floor() as i64);
         if let Some(texel) = self.at(x, y, chart) {
             return Some(texel);
