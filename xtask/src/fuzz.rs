@@ -7,10 +7,9 @@ pub(crate) const HELP: &str = "\
 cargo xtask fuzz [--seconds N] [--seed N] [TARGET]
 
 Feeds damaged, random and lying input to the decoders and sessions of remote lighting, and what they
-accept to a solver. Nothing may
-panic, take more memory than the limits say, or change when it is sent on. The stable toolchain is
-enough: inputs are mutations of valid ones, without feedback from the code that they reach. The
-tests run every target briefly; this runs each for N seconds.
+accept to a solver. Nothing may panic, take more memory than the limits say, or change when it is
+sent on. The stable toolchain is enough: inputs are mutations of valid ones, without feedback from
+the code that they reach. The tests run every target briefly; this runs each for N seconds.
 
   --seconds N   time for every target (default 60)
   --seed N      other inputs (default 1)

@@ -397,7 +397,7 @@ fn fuzz_odd_scene() {
                 let receive = client.receive(Duration::ZERO, transmit.channel, &transmit.message);
                 receive.expect("a server sends nothing that a client refuses");
             }
-            for _ in 0..5 {
+            for _ in 0..20 {
                 if let Some(update) = solver.step() {
                     tiles += update.tiles.len();
                     server.publish(Duration::ZERO, &update, Duration::ZERO);
