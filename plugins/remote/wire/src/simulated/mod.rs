@@ -34,6 +34,7 @@ mod connection;
 mod link;
 mod network;
 mod peer;
+mod recovery;
 #[cfg(test)]
 mod tests;
 

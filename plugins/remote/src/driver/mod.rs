@@ -1,12 +1,14 @@
 //! Moves the messages between the session and the network, and keeps a connection.
 
+mod report;
+
 use std::{sync::Arc, time::Duration};
 
 use bevy::{
     log::{debug, info, warn},
     platform::time::Instant,
 };
-use farlight_gi::{BackendState, LinkState, LinkStatus, solver::session::SessionSettings};
+use farlight_gi::{LinkStatus, solver::session::SessionSettings};
 use farlight_wire::{
     Channel, ClientConfig, ClientEvent, ClientSession, CloseCode, Closed, Connector, Limits, Link,
     LinkEvent, LinkStats, Token, Wake,
@@ -19,6 +21,7 @@ use crate::{
     mailbox::merge,
     shared::{Shared, ToDriver},
 };
+use report::{FIRST, SHOWN_AFTER};
 
 /// While light is expected the server is heard at least five times a second (it answers pings); after
 /// such a silence other ways are tried, besides waiting.
@@ -29,10 +32,6 @@ const STILL_SILENCE: Duration = Duration::from_secs(3);
 const MAX_SILENCE: Duration = Duration::from_secs(8);
 /// After such a silence a connection is gone, whatever the network says.
 const GIVEN_UP: Duration = Duration::from_secs(15);
-/// Silence is worth being shown so long after other ways are tried.
-const SHOWN_AFTER: Duration = Duration::from_secs(1);
-/// The first connection may take so long before it is said that it hangs.
-const FIRST: Duration = Duration::from_secs(2);
 /// A connection that holds so long has lasted.
 const LASTING: Duration = Duration::from_secs(10);
 
@@ -348,65 +347,6 @@ impl Driver {
         while let Some(transmit) = self.session.poll_transmit(now) {
             line.link.send(transmit);
         }
-    }
-
-    /// Says how it is going.
-    fn report(&mut self, now: Duration) {
-        let sync = self.session.state();
-        let line = self.line.as_ref();
-        let stats = line.map(|line| line.link.stats()).unwrap_or_default();
-        let silence = line.map(|line| now.saturating_sub(self.heard(line)));
-        let welcomed = line.is_some_and(|line| line.welcomed);
-        let gone = self.attempts.wanted_since().map(|since| now.saturating_sub(since));
-        let normal = self.bearable(now) + SHOWN_AFTER;
-        let connected = welcomed && silence.is_some_and(|silence| silence < normal);
-        let state = if connected {
-            LinkState::Connected
-        } else if self.welcomes == 0 && gone.is_none_or(|gone| gone < FIRST) {
-            LinkState::Connecting
-        } else {
-            let next = self.attempts.next().unwrap_or(now);
-            let waits = !self.attempts.is_trying() && line.is_none();
-            LinkState::Reconnecting {
-                attempt: self.attempts.count().max(1),
-                why: self.why.clone(),
-                retry_in: if waits { next.saturating_sub(now) } else { Duration::ZERO },
-            }
-        };
-        if let LinkState::Reconnecting { why, .. } = &state
-            && self.told != Some(false)
-            && self.failed.is_none()
-        {
-            let stays = if self.welcomes == 0 { "" } else { "; the light stays as it is" };
-            warn!("the lighting server {} can't be reached: {why}{stays}", self.peer);
-            self.told = Some(false);
-        } else if connected && self.told == Some(false) {
-            info!("the lighting server {} is heard again", self.peer);
-            self.told = Some(true);
-        }
-        let backend = match (&self.failed, &state) {
-            (Some(why), _) => BackendState::Failed(why.clone()),
-            (None, LinkState::Reconnecting { why, .. }) => {
-                BackendState::Disconnected { reason: why.clone() }
-            }
-            (None, _) if sync.submitted.0 == 0 => BackendState::Idle,
-            (None, LinkState::Connected) if self.session.is_converged() => BackendState::Converged,
-            (None, _) => BackendState::Solving,
-        };
-        let status = LinkStatus {
-            state,
-            rtt: stats.rtt.or(sync.rtt).or(self.status.rtt),
-            sent_bytes: self.moved.sent_bytes + stats.sent_bytes,
-            received_bytes: self.moved.received_bytes + stats.received_bytes,
-            reconnects: self.welcomes.saturating_sub(1),
-            snapshot_lag: sync.submitted.0.saturating_sub(sync.acknowledged.0),
-            unsent_blob_bytes: sync.unsent_blob_bytes,
-            ..self.status.clone()
-        };
-        self.status = status;
-        let mut mail = self.shared.lock();
-        mail.state = backend;
-        mail.link.clone_from(&self.status);
     }
 }
 
