@@ -13,8 +13,8 @@ the code that they reach. The tests run every target briefly; this runs each for
 
   --seconds N   time for every target (default 60)
   --seed N      other inputs (default 1)
-  TARGET        only targets whose name contains it:
-                blob lighting invitation greeting client_session server_session
+  TARGET        only targets whose name begins with it:
+                blob lighting lighting_beside invitation greeting client_session server_session
                 client_message server_message hello_and_welcome solver odd_scene
 
 An input that fails is printed in hexadecimal, with its seed and number.

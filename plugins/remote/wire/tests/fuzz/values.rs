@@ -129,6 +129,45 @@ fn fuzz_lighting() {
     });
 }
 
+/// Light that builds on older light, some of which the reader has.
+#[test]
+fn fuzz_lighting_beside() {
+    let limits = Limits { texels: 1 << 16, probes: 1 << 12, objects: 1000, ..Limits::default() };
+    let random = &mut Random(6);
+    let old: Vec<[u16; 3]> = (0..1 << 16).map(|i| [0x3800 + (i % 900) as u16; 3]).collect();
+    let base = |area: usize| old.get(..area);
+    let mut corpus = Vec::new();
+    for tiles in 0..6 {
+        let mut message = lighting(random, tiles, 1);
+        message.sequence = 10 + tiles as u64;
+        for tile in &mut message.tiles {
+            for (texel, old) in tile.texels.iter_mut().zip(&old) {
+                *texel = old.map(|bits| bits + 40 + random.below(20) as u16);
+            }
+        }
+        let (bytes, rounded) = message.encode_beside(|tile| Some((8, base(tile.rect.area())?)));
+        let read = LightingMessage::decode_beside(&bytes, &limits, |_, rect, _| base(rect.area()));
+        assert_eq!(read, Ok(rounded));
+        assert_eq!(LightingMessage::decode(&bytes, &limits).is_ok(), tiles == 0);
+        corpus.push(bytes);
+    }
+    mutate::fuzz("lighting_beside", 8_000, corpus, |_, input| {
+        // It has what even messages brought.
+        let has = |_, rect: TexelRect, sequence: u64| {
+            if sequence.is_multiple_of(2) { base(rect.area()) } else { None }
+        };
+        let (result, peak) = memory::peak(|| LightingMessage::decode_beside(input, &limits, has));
+        let most = (limits.texels * 6 + limits.probes * 54) * 2 + (1 << 20);
+        assert!(peak <= most.min(1024 * input.len()) + (512 << 10), "{peak} bytes");
+        let Ok(message) = result else { return false };
+        for tile in &message.tiles {
+            assert!(tile.texels.is_empty() || tile.texels.len() == tile.rect.area());
+            assert!(tile.texels.iter().flatten().all(|bits| *bits < 0x7c00), "no radiance");
+        }
+        true
+    });
+}
+
 #[test]
 fn fuzz_invitation() {
     let secrets = format!("{}.{}", "0f".repeat(16), "a7".repeat(32));
