@@ -249,7 +249,9 @@ async fn accept(endpoint: Endpoint<Server>, door: Door) {
         tokio::select! {
             incoming = endpoint.accept() => {
                 while handshakes.try_join_next().is_some() {}
-                let peer = incoming.remote_address();
+                // IPv4 addresses look like IPv6 ones at a socket for both.
+                let mut peer = incoming.remote_address();
+                peer.set_ip(peer.ip().to_canonical());
                 if handshakes.len() >= HANDSHAKES {
                     debug!("{peer} is not let in: too many others are just coming in");
                     incoming.refuse();

@@ -20,6 +20,9 @@ use crate::{end::End, incoming, outgoing, outgoing::Outgoing, shared::Shared};
 /// How long a goodbye waits for the control messages before it to arrive.
 const FLUSH: Duration = Duration::from_millis(500);
 
+/// How long the packet with the goodbye takes to leave.
+const LEAVE: Duration = Duration::from_millis(5);
+
 /// How long messages that have arrived before the end of the connection may take to be read.
 const DRAIN: Duration = Duration::from_millis(100);
 
@@ -139,5 +142,7 @@ pub(crate) async fn run(
     // First the connection and then the streams: a stream that is dropped looks finished.
     let (code, reason) = end.code_and_reason();
     connection.close(code, reason);
+    // Another task sends it. Whoever waits for the end of the link may end the process then.
+    tokio::time::sleep(LEAVE).await;
     end.into_closed()
 }
