@@ -85,6 +85,7 @@ fn a_wrong_token_is_final_and_is_said() {
     stage.run(Duration::from_secs(5));
     let BackendState::Failed(reason) = stage.backend.state() else { panic!("{stage:?}") };
     assert!(reason.contains("token"), "{reason}");
+    assert_eq!(stage.link_state(), LinkState::GivenUp);
     let connections = stage.network.counters().connections;
     stage.submit(vec![lamp(1.0)]);
     stage.run(Duration::from_secs(60));

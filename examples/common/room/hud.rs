@@ -115,6 +115,7 @@ fn link_text(link: &LinkStatus, bytes_per_s: f32, latency: &TimeWindow) -> Strin
     let state = match &link.state {
         LinkState::Connecting => "connecting".into(),
         LinkState::Connected => "connected".into(),
+        LinkState::GivenUp => "given up".into(),
         LinkState::Reconnecting { attempt, retry_in, .. } => {
             let when = match retry_in.as_secs_f32() {
                 0.0 => "now".into(),

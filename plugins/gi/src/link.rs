@@ -45,6 +45,9 @@ pub enum LinkState {
         /// Until the next attempt; zero while one is under way.
         retry_in: Duration,
     },
+    /// There is none, and none will be made: trying again would not help. The backend's state says
+    /// why.
+    GivenUp,
 }
 
 impl LinkStatus {

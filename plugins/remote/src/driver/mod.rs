@@ -207,12 +207,10 @@ impl Driver {
                 }
                 self.welcomes += 1;
                 let has = if resumed { "it has the scene" } else { "it gets the scene" };
-                if self.told == Some(false) {
-                    info!("the lighting server {} is back; {has}", self.peer);
-                } else if self.told.is_none() {
-                    info!("light is solved by {}", self.peer);
-                } else {
-                    debug!("a new connection to {}; {has}", self.peer);
+                match self.told {
+                    _ if self.welcomes == 1 => info!("light is solved by {}", self.peer),
+                    Some(false) => info!("the lighting server {} is back; {has}", self.peer),
+                    _ => debug!("a new connection to {}; {has}", self.peer),
                 }
                 self.told = Some(true);
             }

@@ -23,7 +23,9 @@ impl Driver {
         let gone = self.attempts.wanted_since().map(|since| now.saturating_sub(since));
         let normal = self.bearable(now) + SHOWN_AFTER;
         let connected = welcomed && silence.is_some_and(|silence| silence < normal);
-        let state = if connected {
+        let state = if self.failed.is_some() {
+            LinkState::GivenUp
+        } else if connected {
             LinkState::Connected
         } else if self.welcomes == 0 && gone.is_none_or(|gone| gone < FIRST) {
             LinkState::Connecting
@@ -38,7 +40,6 @@ impl Driver {
         };
         if let LinkState::Reconnecting { why, .. } = &state
             && self.told != Some(false)
-            && self.failed.is_none()
         {
             let stays = if self.welcomes == 0 { "" } else { "; the light stays as it is" };
             warn!("the lighting server {} can't be reached: {why}{stays}", self.peer);
