@@ -9,11 +9,15 @@ use crate::HalfTile;
 /// Versions of a tile that are kept. The server builds on none that is older.
 pub(crate) const VERSIONS: usize = 9;
 
+/// As how many texels a version counts beside its own, so that many tiny tiles are bounded too.
+const OVERHEAD: usize = 32;
+
 /// The last versions of every tile.
 #[derive(Debug, Default)]
 pub(super) struct History {
     tiles: HashMap<(PageId, TexelRect), VecDeque<Version>>,
-    texels: usize,
+    /// Sizes of all versions.
+    size: usize,
 }
 
 /// What a message brought.
@@ -21,6 +25,12 @@ pub(super) struct History {
 struct Version {
     sequence: u64,
     texels: Vec<[u16; 3]>,
+}
+
+impl Version {
+    fn size(&self) -> usize {
+        self.texels.len() + OVERHEAD
+    }
 }
 
 impl History {
@@ -38,21 +48,22 @@ impl History {
         texels: usize,
         is_shown: impl Fn(PageId, TexelRect, u64) -> bool,
     ) {
-        if self.texels > 2 * VERSIONS * texels {
+        if self.size > 4 * VERSIONS * texels {
             // Tiles whose place others have taken.
             self.tiles.retain(|(page, rect), versions| {
                 versions.back().is_some_and(|newest| is_shown(*page, *rect, newest.sequence))
             });
-            self.texels = self.tiles.values().flatten().map(|version| version.texels.len()).sum();
+            self.size = self.tiles.values().flatten().map(Version::size).sum();
         }
         let versions = self.tiles.entry((tile.page, tile.rect)).or_default();
         if versions.len() == VERSIONS
             && let Some(oldest) = versions.pop_front()
         {
-            self.texels -= oldest.texels.len();
+            self.size -= oldest.size();
         }
-        self.texels += tile.texels.len();
-        versions.push_back(Version { sequence, texels: tile.texels.clone() });
+        let version = Version { sequence, texels: tile.texels.clone() };
+        self.size += version.size();
+        versions.push_back(version);
     }
 
     /// The server has built on a version, so it builds on no older one any more.
@@ -61,7 +72,7 @@ impl History {
         while versions.front().is_some_and(|oldest| oldest.sequence < sequence)
             && let Some(oldest) = versions.pop_front()
         {
-            self.texels -= oldest.texels.len();
+            self.size -= oldest.size();
         }
     }
 }
@@ -86,7 +97,7 @@ mod tests {
         assert!(!found(&history, 2) && found(&history, 3));
         history.forget_before(PageId(0), rect, 5);
         assert!(!found(&history, 4) && found(&history, 5) && found(&history, 11));
-        assert_eq!(history.texels, 4 * 7);
+        assert_eq!(history.size, (4 + OVERHEAD) * 7);
         assert!(history.get(PageId(0), tile(4).rect, 5).is_none());
     }
 
@@ -94,9 +105,10 @@ mod tests {
     fn what_is_no_longer_shown_goes() {
         let mut history = History::default();
         for x in 0..1000 {
-            history.keep(u64::from(x), &tile(x), 4, |_, rect, _| rect.x + 5 > x);
+            history.keep(u64::from(x), &tile(x), 16, |_, rect, _| rect.x + 5 > x);
         }
-        assert!(history.texels <= 2 * VERSIONS * 4 + 4, "{}", history.texels);
+        assert!(history.size <= 4 * VERSIONS * 16 + 4 + OVERHEAD, "{}", history.size);
+        assert!(history.tiles.len() < 20);
         assert!(history.get(PageId(0), tile(999).rect, 999).is_some());
     }
 }
