@@ -16,7 +16,6 @@ use std::{
 
 use farlight_gi_solver::{
     SceneChange,
-    atlas::{PageId, TexelRect},
     import::{ImportOptions, load_scene},
     scene::{Light, LightId, LightKind, Mesh},
     session::{
@@ -24,7 +23,7 @@ use farlight_gi_solver::{
     },
     unwrap::{UnwrapOptions, ensure_uv1},
 };
-use farlight_wire::{Blob, HalfGrid, HalfTile, LightingMessage, Limits};
+use farlight_wire::{Blob, HalfGrid, HalfTile, LightingMessage, Limits, Piece};
 use glam::{Affine3A, Quat, UVec3, Vec3};
 use half::f16;
 
@@ -125,7 +124,7 @@ fn lamp(along: f32, brightness: f32) -> SessionChange {
 #[derive(Default)]
 struct Shown {
     sequence: u64,
-    tiles: HashMap<(PageId, TexelRect), (u64, Vec<[u16; 3]>)>,
+    pieces: HashMap<Piece, (u64, Vec<[u16; 3]>)>,
 }
 
 /// Sums over updates.
@@ -179,13 +178,11 @@ impl Sums {
         let texels = message.tiles.iter().flat_map(|tile| &tile.texels).flatten();
         let probes = message.grids.iter().flat_map(|g| &g.probes).flatten().flatten();
         let halves: Vec<u8> = texels.chain(probes).flat_map(|bits| bits.to_le_bytes()).collect();
-        let base = |page, rect| shown.tiles.get(&(page, rect)).map(|(n, t)| (*n, &t[..]));
-        let ((bytes, _), encode) =
-            timed(|| message.encode_beside(|tile| base(tile.page, tile.rect)));
+        let base = |piece| shown.pieces.get(&piece).map(|(n, values)| (*n, &values[..]));
+        let ((bytes, _), encode) = timed(|| message.encode_beside(base));
         let limits = Limits::default();
-        let known = |page, rect, number| {
-            base(page, rect).filter(|(n, _)| *n == number).map(|(_, texels)| texels)
-        };
+        let known =
+            |piece, number| base(piece).filter(|(n, _)| *n == number).map(|(_, values)| values);
         let (decoded, decode) = timed(|| LightingMessage::decode_beside(&bytes, &limits, known));
         let decoded = decoded.expect("what was encoded");
         self.alone += message.encode().len();
@@ -196,12 +193,14 @@ impl Sums {
         self.halves += halves.len();
         self.lz4 += lz4_flex::block::compress(&halves).len();
         self.ours += bytes.len();
-        self.our_probes += only_probes.encode().len();
+        self.our_probes += only_probes.encode_beside(base).0.len();
         self.encode.push(encode);
         self.decode.push(decode);
         self.compare(&message, &decoded);
-        for tile in decoded.tiles {
-            shown.tiles.insert((tile.page, tile.rect), (message.sequence, tile.texels));
+        let tiles = decoded.tiles.into_iter().map(|tile| (tile.piece(), tile.texels));
+        let runs = decoded.grids.into_iter().map(|g| (g.piece(), g.probes.into_flattened()));
+        for (piece, values) in tiles.chain(runs) {
+            shown.pieces.insert(piece, (message.sequence, values));
         }
     }
 

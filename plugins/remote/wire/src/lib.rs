@@ -42,7 +42,7 @@ pub use blob::{Blob, BlobHash};
 pub use client::{ClientConfig, ClientEvent, ClientSession, SyncState, Trip};
 pub use error::{CloseCode, WireError};
 pub use invitation::{Invitation, InvitationError, Token};
-pub use lighting::{HalfGrid, HalfTile, LightingMessage, ServerTimes};
+pub use lighting::{HalfGrid, HalfTile, LightingMessage, Piece, ServerTimes};
 pub use limits::Limits;
 pub use link::{
     Channel, Closed, Connector, Link, LinkEvent, LinkStats, Listener, Transmit, TransmitId, Wake,

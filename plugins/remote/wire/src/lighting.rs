@@ -70,6 +70,31 @@ pub struct HalfGrid {
     pub probes: Vec<[[u16; 3]; 9]>,
 }
 
+/// Names what a message brings of the light: texels or probes that are sent as one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Piece {
+    /// A tile.
+    Tile(PageId, TexelRect),
+    /// A run of probes, from an index on.
+    Probes(GridId, u32),
+}
+
+impl HalfTile {
+    /// Its name.
+    #[must_use]
+    pub fn piece(&self) -> Piece {
+        Piece::Tile(self.page, self.rect)
+    }
+}
+
+impl HalfGrid {
+    /// Its name.
+    #[must_use]
+    pub fn piece(&self) -> Piece {
+        Piece::Probes(self.grid, self.first)
+    }
+}
+
 /// The largest finite half float.
 const MAX: f32 = 65504.0;
 

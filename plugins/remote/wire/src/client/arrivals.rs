@@ -9,11 +9,14 @@ use farlight_gi_solver::{
 };
 
 use super::history::History;
-use crate::{LightingMessage, WireError};
+use crate::{LightingMessage, Piece, WireError};
 
 /// Edge of the blocks of texels whose newest message is remembered. Rectangles begin at multiples
 /// of it, or else blocks at their edges count for both neighbours.
 const BLOCK: u32 = 4;
+
+/// Messages after which a grid counts as gone when memory is short.
+const LONG: u64 = 10_000;
 
 /// The newest message about everything that is shown.
 #[derive(Debug, Default)]
@@ -77,36 +80,40 @@ impl Arrivals {
         Ok(())
     }
 
-    /// What is shown of a tile, as a message brought it; see [`History`].
-    pub(super) fn base(&self, page: PageId, rect: TexelRect, sequence: u64) -> Option<&[[u16; 3]]> {
-        self.history.get(page, rect, sequence)
+    /// What is shown of a piece, as a message brought it; see [`History`].
+    pub(super) fn base(&self, piece: Piece, sequence: u64) -> Option<&[[u16; 3]]> {
+        self.history.get(piece, sequence)
     }
 
-    /// Remembers the texels of what is shown now; `edge` is that of a page.
-    pub(super) fn keep(&mut self, message: &LightingMessage, edge: u32, max_pages: u32) {
+    /// Remembers what is shown now. `edge` is that of a page, `probes` how many the client has.
+    pub(super) fn keep(
+        &mut self,
+        message: &LightingMessage,
+        edge: u32,
+        max_pages: u32,
+        probes: usize,
+    ) {
         let texels = edge as usize * edge as usize * max_pages as usize;
-        let row = edge.div_ceil(BLOCK);
-        let pages = &self.pages;
-        for tile in &message.tiles {
-            self.history.keep(message.sequence, tile, texels, |page, rect, sequence| {
-                let (x, y) = (rect.x / BLOCK, rect.y / BLOCK);
-                let end =
-                    ((rect.x + rect.width).div_ceil(BLOCK), (rect.y + rect.height).div_ceil(BLOCK));
-                let newest = pages.get(&page).map(|blocks| {
-                    (y..end.1)
-                        .flat_map(|y| (x..end.0).map(move |x| (y * row + x) as usize))
-                        .filter_map(|i| blocks.get(i))
-                        .max()
-                        .copied()
-                });
-                newest.flatten().is_none_or(|newest| newest <= sequence)
-            });
+        let all = texels.saturating_add(probes.saturating_mul(9));
+        let (pages, grids) = (&self.pages, &self.grids);
+        let is_shown = |piece: Piece, sequence: u64| match piece {
+            Piece::Tile(page, rect) => newest_block(pages.get(&page), edge, rect) <= sequence,
+            Piece::Probes(grid, first) => {
+                // Of grids that have gone nothing new has come for long.
+                let newest = grids.get(&(grid, first)).copied().unwrap_or(0);
+                newest <= sequence && sequence + LONG > message.sequence
+            }
+        };
+        let tiles = message.tiles.iter().map(|tile| (tile.piece(), &tile.texels[..]));
+        let runs = message.grids.iter().map(|run| (run.piece(), run.probes.as_flattened()));
+        for (piece, values) in tiles.chain(runs) {
+            self.history.keep(message.sequence, piece, values, all, is_shown);
         }
     }
 
-    /// The server has built on what a message brought of a tile.
-    pub(super) fn built_on(&mut self, page: PageId, rect: TexelRect, sequence: u64) {
-        self.history.forget_before(page, rect, sequence);
+    /// The server has built on what a message brought of a piece.
+    pub(super) fn built_on(&mut self, piece: Piece, sequence: u64) {
+        self.history.forget_before(piece, sequence);
     }
 
     /// The server of a new connection builds on nothing that an older one brought.
@@ -120,6 +127,17 @@ impl Arrivals {
         self.head = self.head.max(sequence);
         newest
     }
+}
+
+/// The number of the newest message about any of some texels.
+fn newest_block(blocks: Option<&Vec<u64>>, edge: u32, rect: TexelRect) -> u64 {
+    let row = edge.div_ceil(BLOCK);
+    let columns = rect.x / BLOCK..(rect.x + rect.width).div_ceil(BLOCK);
+    let rows = rect.y / BLOCK..(rect.y + rect.height).div_ceil(BLOCK);
+    rows.flat_map(|y| columns.clone().map(move |x| (y * row + x) as usize))
+        .filter_map(|i| blocks?.get(i).copied())
+        .max()
+        .unwrap_or(0)
 }
 
 fn newest<K: std::hash::Hash + Eq>(seen: &mut HashMap<K, u64>, key: K, sequence: u64) -> bool {

@@ -1,21 +1,19 @@
-//! What was shown of each tile before, since the server sends differences to that.
+//! What was shown of each piece of light before, since the server sends differences to that.
 
 use std::collections::{HashMap, VecDeque};
 
-use farlight_gi_solver::atlas::{PageId, TexelRect};
+use crate::Piece;
 
-use crate::HalfTile;
-
-/// Versions of a tile that are kept. The server builds on none that is older.
+/// Versions of a piece that are kept. The server builds on none that is older.
 pub(crate) const VERSIONS: usize = 9;
 
-/// As how many texels a version counts beside its own, so that many tiny tiles are bounded too.
+/// As how many texels a version counts beside its own, so that many tiny pieces are bounded too.
 const OVERHEAD: usize = 32;
 
-/// The last versions of every tile.
+/// The last versions of every piece.
 #[derive(Debug, Default)]
 pub(super) struct History {
-    tiles: HashMap<(PageId, TexelRect), VecDeque<Version>>,
+    pieces: HashMap<Piece, VecDeque<Version>>,
     /// Sizes of all versions.
     size: usize,
 }
@@ -24,51 +22,52 @@ pub(super) struct History {
 #[derive(Debug)]
 struct Version {
     sequence: u64,
-    texels: Vec<[u16; 3]>,
+    values: Vec<[u16; 3]>,
 }
 
 impl Version {
     fn size(&self) -> usize {
-        self.texels.len() + OVERHEAD
+        self.values.len() + OVERHEAD
     }
 }
 
 impl History {
-    /// What a message brought of a tile.
-    pub(super) fn get(&self, page: PageId, rect: TexelRect, sequence: u64) -> Option<&[[u16; 3]]> {
-        let versions = self.tiles.get(&(page, rect))?;
-        Some(&versions.iter().find(|version| version.sequence == sequence)?.texels)
+    /// What a message brought of a piece: texels, or nine coefficients a probe.
+    pub(super) fn get(&self, piece: Piece, sequence: u64) -> Option<&[[u16; 3]]> {
+        let versions = self.pieces.get(&piece)?;
+        Some(&versions.iter().find(|version| version.sequence == sequence)?.values)
     }
 
-    /// Keeps a tile that is shown now. `texels` are those of all pages.
+    /// Keeps what is shown of a piece now. `all` is how many values everything that can be shown has.
     pub(super) fn keep(
         &mut self,
         sequence: u64,
-        tile: &HalfTile,
-        texels: usize,
-        is_shown: impl Fn(PageId, TexelRect, u64) -> bool,
+        piece: Piece,
+        values: &[[u16; 3]],
+        all: usize,
+        is_shown: impl Fn(Piece, u64) -> bool,
     ) {
-        if self.size > 4 * VERSIONS * texels {
-            // Tiles whose place others have taken.
-            self.tiles.retain(|(page, rect), versions| {
-                versions.back().is_some_and(|newest| is_shown(*page, *rect, newest.sequence))
+        if self.size > 4 * VERSIONS * (all + OVERHEAD) {
+            // Pieces whose place others have taken.
+            self.pieces.retain(|piece, versions| {
+                versions.back().is_some_and(|newest| is_shown(*piece, newest.sequence))
             });
-            self.size = self.tiles.values().flatten().map(Version::size).sum();
+            self.size = self.pieces.values().flatten().map(Version::size).sum();
         }
-        let versions = self.tiles.entry((tile.page, tile.rect)).or_default();
+        let versions = self.pieces.entry(piece).or_default();
         if versions.len() == VERSIONS
             && let Some(oldest) = versions.pop_front()
         {
             self.size -= oldest.size();
         }
-        let version = Version { sequence, texels: tile.texels.clone() };
+        let version = Version { sequence, values: values.to_vec() };
         self.size += version.size();
         versions.push_back(version);
     }
 
     /// The server has built on a version, so it builds on no older one any more.
-    pub(super) fn forget_before(&mut self, page: PageId, rect: TexelRect, sequence: u64) {
-        let Some(versions) = self.tiles.get_mut(&(page, rect)) else { return };
+    pub(super) fn forget_before(&mut self, piece: Piece, sequence: u64) {
+        let Some(versions) = self.pieces.get_mut(&piece) else { return };
         while versions.front().is_some_and(|oldest| oldest.sequence < sequence)
             && let Some(oldest) = versions.pop_front()
         {
@@ -79,36 +78,38 @@ impl History {
 
 #[cfg(test)]
 mod tests {
+    use farlight_gi_solver::session::GridId;
+
     use super::*;
 
-    fn tile(x: u32) -> HalfTile {
-        let rect = TexelRect { x, y: 0, width: 4, height: 1 };
-        HalfTile { page: PageId(0), rect, texels: vec![[x as u16; 3]; 4] }
+    const VALUES: [[u16; 3]; 4] = [[1; 3]; 4];
+
+    fn piece(first: u32) -> Piece {
+        Piece::Probes(GridId(0), first)
     }
 
     #[test]
     fn versions_are_found_until_the_server_has_gone_on() {
         let mut history = History::default();
-        let rect = tile(0).rect;
         for sequence in 1..=VERSIONS as u64 + 2 {
-            history.keep(sequence, &tile(0), 100, |_, _, _| true);
+            history.keep(sequence, piece(0), &VALUES, 100, |_, _| true);
         }
-        let found = |history: &History, sequence| history.get(PageId(0), rect, sequence).is_some();
+        let found = |history: &History, sequence| history.get(piece(0), sequence).is_some();
         assert!(!found(&history, 2) && found(&history, 3));
-        history.forget_before(PageId(0), rect, 5);
+        history.forget_before(piece(0), 5);
         assert!(!found(&history, 4) && found(&history, 5) && found(&history, 11));
         assert_eq!(history.size, (4 + OVERHEAD) * 7);
-        assert!(history.get(PageId(0), tile(4).rect, 5).is_none());
+        assert!(history.get(piece(4), 5).is_none());
     }
 
     #[test]
     fn what_is_no_longer_shown_goes() {
         let mut history = History::default();
-        for x in 0..1000 {
-            history.keep(u64::from(x), &tile(x), 16, |_, rect, _| rect.x + 5 > x);
+        for x in 0..1000_u64 {
+            history.keep(x, piece(x as u32), &VALUES, 16, |_, sequence| sequence + 5 > x);
         }
-        assert!(history.size <= 4 * VERSIONS * 16 + 4 + OVERHEAD, "{}", history.size);
-        assert!(history.tiles.len() < 20);
-        assert!(history.get(PageId(0), tile(999).rect, 999).is_some());
+        assert!(history.size <= (4 * VERSIONS + 1) * (16 + OVERHEAD), "{}", history.size);
+        assert!(history.pieces.len() < 60);
+        assert!(history.get(piece(999), 999).is_some());
     }
 }

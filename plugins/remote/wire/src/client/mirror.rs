@@ -8,7 +8,7 @@ use std::{
 use farlight_gi_solver::{
     SceneChange,
     scene::Sky,
-    session::{SessionChange, SnapshotId},
+    session::{GridId, SessionChange, SnapshotId},
 };
 
 use crate::{
@@ -201,6 +201,18 @@ impl Mirror {
     /// The newest snapshot that was submitted, and that the server has.
     pub(super) fn progress(&self) -> (SnapshotId, SnapshotId) {
         (self.newest, self.acknowledged)
+    }
+
+    /// Probes of all grids.
+    pub(super) fn probes(&self) -> usize {
+        let grids = self.objects.range(ObjectKey::Grid(GridId(0))..);
+        grids.fold(0, |sum, (_, object)| match object {
+            Object::Grid(grid) => {
+                let [x, y, z] = grid.resolution.to_array().map(|n| n as usize);
+                sum.saturating_add(x.saturating_mul(y).saturating_mul(z))
+            }
+            _ => sum,
+        })
     }
 
     pub(super) fn unsent(&self) -> usize {

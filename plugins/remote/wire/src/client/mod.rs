@@ -257,19 +257,19 @@ impl ClientSession {
     fn light(&mut self, now: Duration, bytes: &[u8]) -> Result<(), WireError> {
         let bases = RefCell::new(Vec::new());
         let mut message =
-            LightingMessage::decode_beside(bytes, &self.config.limits, |page, rect, sequence| {
-                bases.borrow_mut().push((page, rect, sequence));
-                self.arrivals.base(page, rect, sequence)
+            LightingMessage::decode_beside(bytes, &self.config.limits, |piece, sequence| {
+                bases.borrow_mut().push((piece, sequence));
+                self.arrivals.base(piece, sequence)
             })?;
         let Limits { objects, .. } = self.config.limits;
         let SessionSettings { page_size, max_pages, .. } = self.settings;
         self.arrivals.filter(&mut message, page_size, max_pages, objects)?;
-        if message.tiles.iter().any(|tile| tile.texels.is_empty()) {
+        if !message.is_whole() {
             return Err(WireError::invalid("a lighting message", "it builds on what was not sent"));
         }
-        self.arrivals.keep(&message, page_size, max_pages);
-        for (page, rect, sequence) in bases.into_inner() {
-            self.arrivals.built_on(page, rect, sequence);
+        self.arrivals.keep(&message, page_size, max_pages, self.mirror.probes());
+        for (piece, sequence) in bases.into_inner() {
+            self.arrivals.built_on(piece, sequence);
         }
         self.acks.push(message.sequence);
         if self.arrivals.is_newest(message.sequence) {

@@ -16,7 +16,7 @@ use farlight_gi_solver::{
 };
 
 use super::{bases::Bases, tiles::Tiles, window::Window};
-use crate::{HalfGrid, HalfTile, LightingMessage, TransmitId};
+use crate::{HalfGrid, HalfTile, LightingMessage, Piece, TransmitId};
 
 /// Probes of a run that is sent and resent as one.
 const RUN: usize = 512;
@@ -74,8 +74,8 @@ struct UnderWay {
     sent: Duration,
     bytes: usize,
     items: Vec<ItemKey>,
-    /// Its tiles as they will arrive, with their numbers.
-    tiles: Vec<(u32, HalfTile)>,
+    /// Its texels and probes as they will arrive.
+    pieces: Vec<(Piece, Vec<[u16; 3]>)>,
 }
 
 #[derive(Debug, Default)]
@@ -109,9 +109,9 @@ impl Outbox {
         }
         for tile in &update.tiles {
             let (changed, replaced) = self.tiles.insert(HalfTile::new(tile));
-            for index in replaced {
+            for (index, piece) in replaced {
                 self.states.remove(&ItemKey::Tile(index));
-                self.bases.forget(index);
+                self.bases.forget(piece);
             }
             if let Some(index) = changed {
                 self.make_due(ItemKey::Tile(index), snapshot);
@@ -140,6 +140,7 @@ impl Outbox {
         for (id, first) in gone {
             self.probes.remove(&(id, first));
             self.states.remove(&ItemKey::Probes(id, first));
+            self.bases.forget(Piece::Probes(id, first));
         }
         for (i, probes) in grid.probes.chunks(RUN).enumerate() {
             let first = (i * RUN) as u32;
@@ -161,6 +162,7 @@ impl Outbox {
     /// Forgets a grid.
     pub(super) fn remove_grid(&mut self, grid: GridId) {
         self.probes.retain(|(id, _), _| *id != grid);
+        self.bases.forget_grid(grid);
         self.states.retain(|key, _| !matches!(key, ItemKey::Probes(id, _) if *id == grid));
     }
 
@@ -209,10 +211,8 @@ impl Outbox {
                 *state = State::Shown;
             }
         }
-        for (index, tile) in message.tiles {
-            if self.tiles.get(index).is_some_and(|t| t.page == tile.page && t.rect == tile.rect) {
-                self.bases.arrived(index, sequence, tile.texels);
-            }
+        for (piece, values) in message.pieces {
+            self.bases.arrived(piece, sequence, values);
         }
         self.window.arrived(now.saturating_sub(message.sent), message.bytes);
     }
@@ -231,8 +231,8 @@ impl Outbox {
                 && let Some(message) = self.under_way.remove(at)
             {
                 self.cancelled.push_back(message.transmit);
-                for (index, _) in &message.tiles {
-                    self.bases.cancelled(*index, message.sequence);
+                for (piece, _) in &message.pieces {
+                    self.bases.cancelled(*piece, message.sequence);
                 }
                 self.lose(&message);
             } else {
@@ -292,15 +292,15 @@ impl Outbox {
             self.make_due(ItemKey::Head, self.published);
         }
         stamp(&mut message);
-        let number_of = |tile: &HalfTile| self.tiles.find(tile.page, tile.rect);
-        let (encoding, rounded) =
-            message.encode_beside(|tile| number_of(tile).and_then(|i| self.bases.of(i)));
-        let tiles: Vec<(u32, HalfTile)> =
-            rounded.tiles.into_iter().filter_map(|tile| Some((number_of(&tile)?, tile))).collect();
-        for (index, _) in &tiles {
-            self.bases.sent(*index, sequence);
+        let (encoding, rounded) = message.encode_beside(|piece| self.bases.of(piece));
+        let tiles = rounded.tiles.into_iter().map(|tile| (tile.piece(), tile.texels));
+        let probes =
+            rounded.grids.into_iter().map(|run| (run.piece(), run.probes.into_flattened()));
+        let pieces: Vec<(Piece, Vec<[u16; 3]>)> = tiles.chain(probes).collect();
+        for (piece, _) in &pieces {
+            self.bases.sent(*piece, sequence);
         }
-        self.under_way.push_back(UnderWay { sequence, transmit, sent: now, bytes, items, tiles });
+        self.under_way.push_back(UnderWay { sequence, transmit, sent: now, bytes, items, pieces });
         Some(encoding)
     }
 

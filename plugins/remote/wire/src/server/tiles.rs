@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use farlight_gi_solver::atlas::{PageId, TexelRect};
 
-use crate::HalfTile;
+use crate::{HalfTile, Piece};
 
 /// Edge of the cells by which tiles are found.
 const CELL: u32 = 32;
@@ -19,9 +19,9 @@ pub(super) struct Tiles {
 }
 
 impl Tiles {
-    /// Puts a tile in. Answers its number if it differs from what was there, and the numbers of
-    /// tiles that it overlapped and that are gone.
-    pub(super) fn insert(&mut self, tile: HalfTile) -> (Option<u32>, Vec<u32>) {
+    /// Puts a tile in. Answers its number if it differs from what was there, and the numbers and
+    /// names of tiles that it overlapped and that are gone.
+    pub(super) fn insert(&mut self, tile: HalfTile) -> (Option<u32>, Vec<(u32, Piece)>) {
         let near = self.near(&tile);
         if let Some(same) = near.iter().find(|i| self.get(**i).is_some_and(|t| t.rect == tile.rect))
         {
@@ -31,11 +31,13 @@ impl Tiles {
             *slot = Some(tile);
             return (differs.then_some(*same), Vec::new());
         }
-        let overlapped: Vec<u32> = near
+        let overlapped: Vec<(u32, Piece)> = near
             .into_iter()
-            .filter(|i| self.get(*i).is_some_and(|t| t.rect.overlaps(&tile.rect)))
+            .filter_map(|i| Some((i, self.get(i)?)))
+            .filter(|(_, other)| other.rect.overlaps(&tile.rect))
+            .map(|(i, other)| (i, other.piece()))
             .collect();
-        overlapped.iter().for_each(|i| self.remove(*i));
+        overlapped.iter().for_each(|(i, _)| self.remove(*i));
         let index = self.free.pop().unwrap_or(self.tiles.len() as u32);
         for cell in cells(tile.page, &tile.rect) {
             self.cells.entry(cell).or_default().push(index);
@@ -46,13 +48,6 @@ impl Tiles {
             self.tiles[index as usize] = Some(tile);
         }
         (Some(index), overlapped)
-    }
-
-    /// The number of the tile with just this rectangle.
-    pub(super) fn find(&self, page: PageId, rect: TexelRect) -> Option<u32> {
-        let cell = cells(page, &rect).next()?;
-        let mut near = self.cells.get(&cell)?.iter().copied();
-        near.find(|i| self.get(*i).is_some_and(|tile| tile.rect == rect))
     }
 
     pub(super) fn get(&self, index: u32) -> Option<&HalfTile> {
@@ -106,6 +101,7 @@ mod tests {
         assert_eq!(tiles.insert(tile([0, 0, 32, 32], 2)), (a, vec![]));
         let (b, _) = tiles.insert(tile([32, 0, 20, 32], 1));
         let (c, gone) = tiles.insert(tile([16, 16, 32, 8], 3));
+        let gone: Vec<u32> = gone.into_iter().map(|(index, _)| index).collect();
         assert_eq!(gone, [a.unwrap(), b.unwrap()]);
         assert_eq!(tiles.tiles.iter().flatten().count(), 1);
         assert_eq!(tiles.get(c.unwrap()), Some(&tile([16, 16, 32, 8], 3)));

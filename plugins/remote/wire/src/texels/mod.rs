@@ -9,13 +9,14 @@
 //! 4. The count of refused receivers, and for each: instance, length of the text, text.
 //! 5. The count of tiles, and for each: page, x, y, width, height, and by how much the number of the
 //!    message that brought its base is smaller than this message's (0: none).
-//! 6. The count of runs of probes, and for each: grid, resolution (three), first, count.
+//! 6. The count of runs of probes, and for each: grid, resolution (three), first, count, and the same
+//!    about its base.
 //! 7. The length of what follows: nothing, or one arithmetic code with packed bits
 //!    ([`codec`](crate::codec)) of all texels in the order of the tiles ([`tile`]) and all probes in
 //!    the order of the runs ([`probe`]), and zeros.
 //!
-//! A tile may be coded beside a *base*: what the other side is known to have of the very tile, by an
-//! older message. Otherwise it stands for itself. What is learned, is learned over all tiles of a
+//! A tile or run may be coded beside a *base*: what the other side is known to have of the very piece,
+//! by an older message. Otherwise it stands for itself. What is learned, is learned over all tiles of a
 //! message and not beyond, since messages may be lost.
 //!
 //! # Exactness
@@ -36,12 +37,12 @@ use farlight_gi_solver::{
 };
 
 use crate::{
-    HalfGrid, HalfTile, LightingMessage,
+    HalfGrid, LightingMessage, Piece,
     codec::{BitCoder, RangeEncoder, Writer},
 };
 use probe::ProbeCoder;
 use step::Step;
-use tile::{TileCoder, is_smoother_beside};
+use tile::TileCoder;
 
 /// Pages there may be.
 const PAGES: u32 = 64;
@@ -64,24 +65,30 @@ impl LightingMessage {
         self.encode_beside(|_| None).0
     }
 
-    /// Its encoding, and what will arrive. `base` answers what the other side has of a tile, if it is
-    /// known, and the number of the message that brought it.
+    /// Its encoding, and what will arrive. `base` answers what the other side has of a piece (nine
+    /// coefficients a probe), if it is known, and the number of the message that brought it.
     #[must_use]
     pub fn encode_beside<'a>(
         &self,
-        base: impl Fn(&HalfTile) -> Option<(u64, &'a [[u16; 3]])>,
+        base: impl Fn(Piece) -> Option<(u64, &'a [[u16; 3]])>,
     ) -> (Vec<u8>, Self) {
         let mut message = self.without_invalid();
-        let choose = |tile: &HalfTile| {
-            let (number, texels) = base(tile)?;
-            let good = number < self.sequence && is_smoother_beside(&tile.texels, texels);
-            good.then_some((self.sequence - number, texels))
+        let choose = |piece: Piece, values: &[[u16; 3]]| {
+            let (number, known) = base(piece)?;
+            let fits = number < self.sequence && known.len() == values.len();
+            let good = match piece {
+                _ if !fits => false,
+                Piece::Tile(..) => tile::is_smoother_beside(values, known),
+                Piece::Probes(..) => probe::is_smoother_beside(values, known),
+            };
+            good.then_some((self.sequence - number, known))
         };
-        let (distances, bases): (Vec<u64>, Vec<_>) = message
-            .tiles
-            .iter()
-            .map(choose)
-            .map(|base| (base.map_or(0, |(distance, _)| distance), base.map(|(_, texels)| texels)))
+        let tiles = message.tiles.iter().map(|tile| choose(tile.piece(), &tile.texels));
+        let grids =
+            message.grids.iter().map(|grid| choose(grid.piece(), grid.probes.as_flattened()));
+        let (distances, bases): (Vec<u64>, Vec<_>) = tiles
+            .chain(grids)
+            .map(|base| (base.map_or(0, |(distance, _)| distance), base.map(|(_, known)| known)))
             .unzip();
         let mut code = Vec::new();
         let (texels, probes) = (message.texels(), message.probes());
@@ -111,7 +118,8 @@ impl LightingMessage {
         message.tiles.retain(|t| is_rect(t.page, t.rect) && t.texels.len() == t.rect.area());
         message.grids.retain(|g| {
             let count = u32::try_from(g.probes.len()).unwrap_or(u32::MAX);
-            probes_of(g).is_some_and(|all| g.first.checked_add(count).is_some_and(|n| n <= all))
+            let fits = |all| g.first.checked_add(count).is_some_and(|n| n <= all);
+            count > 0 && probes_of(g).is_some_and(fits)
         });
         message.refused.truncate(REFUSED);
         for (_, reason) in &mut message.refused {
@@ -122,21 +130,22 @@ impl LightingMessage {
         message
     }
 
-    /// Codes all texels and probes; they hold afterwards what the other side has. Tiles have bases in
-    /// the same order, if any.
+    /// Codes all texels and probes; they hold afterwards what the other side has. Tiles and then runs
+    /// have bases in the same order, if any.
     fn code(&mut self, coder: &mut impl BitCoder, bases: &[Option<&[[u16; 3]]>]) {
         let step = Step::of(&self.quality);
+        let mut bases = bases.iter().copied().chain(std::iter::repeat(None));
         if !self.tiles.is_empty() {
             let mut tiles = TileCoder::new(step);
-            for (i, tile) in self.tiles.iter_mut().enumerate() {
-                let base = bases.get(i).copied().flatten();
+            for (tile, base) in self.tiles.iter_mut().zip(bases.by_ref()) {
                 tiles.code(coder, tile.rect.width as usize, &mut tile.texels, base);
             }
         }
         if !self.grids.is_empty() {
             let mut probes = ProbeCoder::new(step);
-            for HalfGrid { resolution, first, probes: run, .. } in &mut self.grids {
-                probes.code(coder, *resolution, *first, run);
+            for (grid, base) in self.grids.iter_mut().zip(bases) {
+                let base = base.map(|base| base.as_chunks().0);
+                probes.code(coder, grid.resolution, grid.first, &mut grid.probes, base);
             }
         }
     }
@@ -176,11 +185,14 @@ impl LightingMessage {
             out.varint(*distance);
         }
         out.count(grids.len());
-        for HalfGrid { grid, resolution, first, probes } in grids {
+        let distances = distances.iter().skip(tiles.len());
+        for (HalfGrid { grid, resolution, first, probes }, distance) in grids.iter().zip(distances)
+        {
             out.varint(grid.0);
             resolution.to_array().into_iter().for_each(|n| out.varint(n.into()));
             out.varint((*first).into());
             out.count(probes.len());
+            out.varint(*distance);
         }
     }
 }

@@ -3,12 +3,17 @@
 //! The error of a coefficient matters beside the first one (L0, the mean radiance), so the step is
 //! the power of two between 1/1024 and 1/512 of it, and the error at most 1/1024 (where texels are
 //! sent less exactly, twice or four times as much). L0 itself is coded like a texel. What the others are beside it is predicted from the neighbours along x, y and
-//! z that are already there, and in red and blue also from how far that was off in green.
+//! z that are already there, and in red and blue also from how far that was off in green. Where the
+//! other side has an older state of the run, it is that state and how the neighbours have changed
+//! since.
 
 use glam::UVec3;
 use half::f16;
 
-use super::step::{LARGEST, Step};
+use super::{
+    octave::{half_of, log_of},
+    step::{LARGEST, Step},
+};
 use crate::codec::{BitCoder, Context, Residuals, class, coarse};
 
 const RED: usize = 0;
@@ -31,8 +36,9 @@ pub(super) type Probe = [[u16; 3]; 9];
 #[derive(Debug)]
 pub(super) struct ProbeCoder {
     exactness: Step,
-    means: [Residuals; 3],
-    coefficients: [Residuals; 3],
+    /// For probes by themselves and for those beside others.
+    means: [[Residuals; 3]; 2],
+    coefficients: [[Residuals; 3]; 2],
     doublings: Residuals,
     signs: Residuals,
     /// The last probe of the run before.
@@ -70,6 +76,44 @@ impl Expected {
     }
 }
 
+/// What a probe should be beside an older state of it, if neighbours have changed alike. `now` and
+/// `then` are the same neighbours.
+fn grown(old: &Probe, now: &[&Probe], then: &[&Probe], exactness: Step) -> Expected {
+    let mut expected = Expected::mean_of(&[old], exactness);
+    if now.is_empty() {
+        return expected;
+    }
+    let (after, before) = (Expected::mean_of(now, exactness), Expected::mean_of(then, exactness));
+    let log = |bits: u16| log_of(bits & 0x7fff);
+    for channel in 0..3 {
+        let growth = |(now, then): (&&Probe, &&Probe)| log(now[0][channel]) - log(then[0][channel]);
+        let growth = now.iter().zip(then).map(growth).sum::<i32>() / now.len() as i32;
+        expected.means[channel] = exactness.level(half_of(log(old[0][channel]) + growth));
+        for i in 1..9 {
+            expected.shape[i][channel] += after.shape[i][channel] - before.shape[i][channel];
+        }
+    }
+    expected
+}
+
+/// Whether a run of probes is nearer to an older state than each of its probes to the one before it:
+/// by the coefficients of green beside their mean.
+pub(super) fn is_smoother_beside(values: &[[u16; 3]], base: &[[u16; 3]]) -> bool {
+    let shape = |probe: &Probe, i: usize| {
+        let mean = value(probe[0][GREEN]);
+        if mean == 0.0 { 0.0 } else { value(probe[i][GREEN]) / mean }
+    };
+    let distance = |a: &Probe, b: &Probe| {
+        let means = log_of(a[0][GREEN] & 0x7fff).abs_diff(log_of(b[0][GREEN] & 0x7fff));
+        let shapes = (1..9).map(|i| (shape(a, i) - shape(b, i)).abs()).sum::<f32>();
+        means as f32 / 1024.0 + shapes
+    };
+    let (probes, olds) = (values.as_chunks().0, base.as_chunks().0);
+    let alone: f32 = probes.windows(2).map(|pair| distance(&pair[1], &pair[0])).sum();
+    let beside: f32 = probes.iter().zip(olds).skip(1).map(|(a, b)| distance(a, b)).sum();
+    beside <= alone
+}
+
 /// The finite value of a half's bits.
 fn value(bits: u16) -> f32 {
     let value = f16::from_bits(bits).to_f32();
@@ -96,8 +140,8 @@ impl ProbeCoder {
     pub(super) fn new(exactness: Step) -> Self {
         Self {
             exactness,
-            means: std::array::from_fn(|_| Residuals::new()),
-            coefficients: std::array::from_fn(|_| Residuals::new()),
+            means: std::array::from_fn(|_| std::array::from_fn(|_| Residuals::new())),
+            coefficients: std::array::from_fn(|_| std::array::from_fn(|_| Residuals::new())),
             doublings: Residuals::new(),
             signs: Residuals::new(),
             last: [[0x3400; 3]; 9],
@@ -105,41 +149,64 @@ impl ProbeCoder {
         }
     }
 
-    /// Codes a run of probes that begins at `first` in a grid. A decoder fills them in.
+    /// Codes a run of probes that begins at `first` in a grid, as they are or beside an older state. A
+    /// decoder fills them in.
     pub(super) fn code(
         &mut self,
         coder: &mut impl BitCoder,
         resolution: UVec3,
         first: u32,
         probes: &mut [Probe],
+        base: Option<&[Probe]>,
     ) {
+        let kind = usize::from(base.is_some());
         let (row, layer) = (resolution.x as usize, resolution.x as usize * resolution.y as usize);
         for at in 0..probes.len() {
             let (there, rest) = probes.split_at_mut(at);
             let index = first as usize + at;
             let along = [(index % row, 1), (index % layer / row, row), (index / layer, layer)];
-            let (mut neighbours, mut count) = ([&self.last; 3], 0);
+            let (mut places, mut count) = ([0; 3], 0);
             for (place, stride) in along {
                 if let Some(neighbour) = at.checked_sub(stride).filter(|_| place > 0) {
-                    neighbours[count] = &there[neighbour];
+                    places[count] = neighbour;
                     count += 1;
                 }
             }
-            if let Some(before) = there.last().filter(|_| count == 0) {
-                neighbours[0] = before;
+            if count == 0 && at > 0 {
+                places[0] = at - 1;
+                count = 1;
             }
-            let expected = Expected::mean_of(&neighbours[..count.max(1)], self.exactness);
-            self.probe(coder, &expected, &mut rest[0]);
+            let neighbours = places.map(|place| there.get(place).unwrap_or(&self.last));
+            let expected = match base {
+                None => Expected::mean_of(&neighbours[..count.max(1)], self.exactness),
+                // Whoever lacks the base codes beside black, and throws the run away.
+                Some(base) => {
+                    let old = |place: usize| base.get(place).unwrap_or(&[[0; 3]; 9]);
+                    let then = places.map(old);
+                    grown(old(at), &neighbours[..count], &then[..count], self.exactness)
+                }
+            };
+            self.probe(coder, kind, &expected, &mut rest[0]);
         }
-        self.last = probes.last().copied().unwrap_or(self.last);
+        if base.is_none() {
+            self.last = probes.last().copied().unwrap_or(self.last);
+        }
     }
 
-    fn probe(&mut self, coder: &mut impl BitCoder, expected: &Expected, probe: &mut Probe) {
-        // How far green was off: in levels of L0, then in units of L0.
-        let (mut off_mean, mut off) = (0, [0.0; 9]);
+    fn probe(
+        &mut self,
+        coder: &mut impl BitCoder,
+        kind: usize,
+        expected: &Expected,
+        probe: &mut Probe,
+    ) {
+        // How far green was off: in levels of L0, in units of L0, in steps. Contexts know only the
+        // errors that were coded, which a reader without the base knows too.
+        let (mut off_mean, mut off, mut off_steps) = (0, [0.0; 9], [0_u32; 9]);
         for channel in [GREEN, RED, BLUE] {
             let predicted = expected.means[channel];
-            let missed = self.mean(coder, channel, predicted, off_mean, &mut probe[0][channel]);
+            let missed =
+                self.mean(coder, kind, channel, predicted, off_mean, &mut probe[0][channel]);
             let step = self.step(coder, channel, probe);
             let steps = value(probe[0][channel]) / step;
             let mut before = 0;
@@ -149,16 +216,19 @@ impl ProbeCoder {
                 let wanted = (value(probe[i][channel]) / step).clamp(-MOST, MOST).round();
                 let near = (2 * self.errors[i][channel] + before) / 3;
                 let context = Context {
-                    first: (class(near), coarse((off[i] * steps).abs() as u32)),
+                    first: (class(near), coarse(off_steps[i])),
                     second: (class(before), (i - 1) / 3),
                     sign: 0,
                 };
                 let error = wanted as i32 - predicted as i32;
-                let error = self.coefficients[channel].code(coder, context, error);
+                let error = self.coefficients[kind][channel].code(coder, context, error);
                 let coded = (predicted + error as f32).clamp(-MOST, MOST) * step;
                 probe[i][channel] = bits(coded);
                 before = error.unsigned_abs();
                 self.errors[i][channel] = before;
+                if channel == GREEN {
+                    off_steps[i] = before;
+                }
                 if channel == GREEN && steps != 0.0 {
                     off[i] = value(probe[i][channel]) / (steps * step) - expected.shape[i][channel];
                 }
@@ -169,10 +239,11 @@ impl ProbeCoder {
         }
     }
 
-    /// L0; returns by how many levels `predicted` was off.
+    /// L0; returns the error that was coded.
     fn mean(
         &mut self,
         coder: &mut impl BitCoder,
+        kind: usize,
         channel: usize,
         predicted: i32,
         green: i32,
@@ -189,12 +260,12 @@ impl ProbeCoder {
             second: (class(green.unsigned_abs()), 0),
             sign: (green.signum() + 1) as usize,
         };
-        let error = self.means[channel].code(coder, context, level - corrected);
+        let error = self.means[kind][channel].code(coder, context, level - corrected);
         self.errors[0][channel] = error.unsigned_abs();
         let level = (corrected + error).clamp(0, step.top());
         let size = f16::from_bits(step.bits(level)).to_f32();
         *mean = bits(if negative { -size } else { size });
-        level - predicted
+        error
     }
 
     /// The step of a channel whose L0 is coded. It is doubled where other coefficients are larger

@@ -11,7 +11,7 @@ use glam::UVec3;
 
 use super::{REASON, REFUSED, is_rect, least_code, probes_of};
 use crate::{
-    HalfGrid, HalfTile, LightingMessage, Limits, ServerTimes, WireError,
+    HalfGrid, HalfTile, LightingMessage, Limits, Piece, ServerTimes, WireError,
     codec::{RangeDecoder, Reader},
 };
 
@@ -27,22 +27,22 @@ impl LightingMessage {
     /// bytes of text. Or not valid: rectangles lie on a page below 64, have at least one texel and
     /// end at 4096; runs of probes lie in their grid.
     pub fn decode(bytes: &[u8], limits: &Limits) -> Result<Self, WireError> {
-        let message = Self::decode_beside(bytes, limits, |_, _, _| None)?;
-        if message.tiles.iter().any(|tile| tile.texels.is_empty()) {
+        let message = Self::decode_beside(bytes, limits, |_, _| None)?;
+        if !message.is_whole() {
             return Err(WireError::invalid(WHAT, "it builds on a message that is not there"));
         }
         Ok(message)
     }
 
     /// [`decode`](Self::decode) of what [`encode_beside`](Self::encode_beside) made. `base` answers
-    /// the texels of a tile that a message brought; a tile whose base is not there has no texels.
+    /// what a message brought of a piece. Pieces whose base is not there are without their content.
     ///
     /// # Errors
     /// As `decode`, or a base is of a message that can't have come before.
     pub fn decode_beside<'a>(
         bytes: &[u8],
         limits: &Limits,
-        base: impl Fn(PageId, TexelRect, u64) -> Option<&'a [[u16; 3]]>,
+        base: impl Fn(Piece, u64) -> Option<&'a [[u16; 3]]>,
     ) -> Result<Self, WireError> {
         let mut reader = Reader::new(WHAT, bytes);
         let mut message = Self {
@@ -59,17 +59,20 @@ impl LightingMessage {
         let code = reader.bytes(usize::MAX)?;
         reader.end()?;
         let texels = tiles.iter().map(|(_, rect, _)| rect.area()).sum();
-        let probes = grids.iter().map(|(_, count)| count).sum();
+        let probes = grids.iter().map(|(_, count, _)| count).sum();
         if code.len() < least_code(texels, probes) {
             return Err(reader.invalid("it says that it holds more light than its bytes can"));
         }
-        let mut bases: Vec<Option<&[[u16; 3]]>> = Vec::with_capacity(tiles.len());
+        let mut bases: Vec<Option<&[[u16; 3]]>> = Vec::with_capacity(tiles.len() + grids.len());
         let mut missing = Vec::new();
-        for (i, (page, rect, distance)) in tiles.iter().enumerate() {
-            let number = message.sequence.checked_sub(*distance);
+        let tile_bases =
+            tiles.iter().map(|(page, rect, far)| (Piece::Tile(*page, *rect), rect.area(), *far));
+        let grid_bases = grids.iter().map(|(grid, count, far)| (grid.piece(), count * 9, *far));
+        for (i, (piece, size, distance)) in tile_bases.chain(grid_bases).enumerate() {
+            let number = message.sequence.checked_sub(distance);
             let number = number.ok_or_else(|| reader.invalid("it builds on no message"))?;
-            let found = (*distance > 0).then(|| base(*page, *rect, number));
-            let found = found.map(|found| found.filter(|texels| texels.len() == rect.area()));
+            let found = (distance > 0).then(|| base(piece, number));
+            let found = found.map(|found| found.filter(|values| values.len() == size));
             if found == Some(None) {
                 missing.push(i);
             }
@@ -81,13 +84,24 @@ impl LightingMessage {
             .collect();
         message.grids = grids
             .into_iter()
-            .map(|(grid, count)| HalfGrid { probes: vec![[[0; 3]; 9]; count], ..grid })
+            .map(|(grid, count, _)| HalfGrid { probes: vec![[[0; 3]; 9]; count], ..grid })
             .collect();
         if texels + probes > 0 {
             message.code(&mut RangeDecoder::new(WHAT, code)?, &bases);
         }
-        missing.into_iter().for_each(|i| message.tiles[i].texels.clear());
+        for i in missing {
+            match i.checked_sub(message.tiles.len()) {
+                None => message.tiles[i].texels.clear(),
+                Some(i) => message.grids[i].probes.clear(),
+            }
+        }
         Ok(message)
+    }
+
+    /// Whether everything has its content; see [`decode_beside`](Self::decode_beside).
+    pub(crate) fn is_whole(&self) -> bool {
+        self.tiles.iter().all(|tile| !tile.texels.is_empty())
+            && self.grids.iter().all(|grid| !grid.probes.is_empty())
     }
 }
 
@@ -136,8 +150,8 @@ fn read_tiles(
 fn read_grids(
     reader: &mut Reader<'_>,
     limits: &Limits,
-) -> Result<Vec<(HalfGrid, usize)>, WireError> {
-    let count = reader.count(6, limits.objects)?;
+) -> Result<Vec<(HalfGrid, usize, u64)>, WireError> {
+    let count = reader.count(7, limits.objects)?;
     let mut probes = 0_usize;
     let grid = |_| {
         let grid = HalfGrid {
@@ -151,12 +165,12 @@ fn read_grids(
             return Err(reader.invalid(format_args!("no grid has {} probes", grid.resolution)));
         };
         WireError::check("probes of a grid", all as usize, limits.probes)?;
-        if grid.first.checked_add(count).is_none_or(|end| end > all) {
-            return Err(reader.invalid("probes are outside of their grid"));
+        if count == 0 || grid.first.checked_add(count).is_none_or(|end| end > all) {
+            return Err(reader.invalid("there are no probes, or some outside of their grid"));
         }
         probes = probes.saturating_add(count as usize);
         WireError::check("probes of a lighting message", probes, limits.probes)?;
-        Ok((grid, count as usize))
+        Ok((grid, count as usize, reader.varint()?))
     };
     (0..count).map(grid).collect()
 }

@@ -240,11 +240,17 @@ fn tiles_beside_a_base_are_small_and_exact() {
     // One tile the other side does not have, one has become another light altogether.
     new.tiles[3].rect.x = 16;
     new.tiles[0].texels.reverse();
-    let find = |page: PageId, rect: TexelRect| {
-        old.tiles.iter().find(|t| t.page == page && t.rect == rect).map(|t| &t.texels[..])
+    for probe in new.grids.iter_mut().flat_map(|grid| &mut grid.probes) {
+        *probe = probe
+            .map(|c| c.map(|bits| f16::from_f32(f16::from_bits(bits).to_f32() * 1.1).to_bits()));
+    }
+    let find = |piece: Piece| {
+        let tile = old.tiles.iter().find(|t| t.piece() == piece).map(|t| &t.texels[..]);
+        let run = || old.grids.iter().find(|g| g.piece() == piece);
+        tile.or_else(|| Some(run()?.probes.as_flattened()))
     };
-    let (bytes, sent) = new.encode_beside(|t| find(t.page, t.rect).map(|texels| (3, texels)));
-    let base = |page, rect, number| find(page, rect).filter(|_| number == 3);
+    let (bytes, sent) = new.encode_beside(|piece| Some((3, find(piece)?)));
+    let base = |piece, number| find(piece).filter(|_| number == 3);
     let limits = Limits::default();
     let back = LightingMessage::decode_beside(&bytes, &limits, base).unwrap();
     assert_eq!(back, sent);
@@ -256,8 +262,11 @@ fn tiles_beside_a_base_are_small_and_exact() {
         }
     }
     // Who has lost a base still finds the others.
-    let lost = |page, rect: TexelRect, number| base(page, rect, number).filter(|_| rect.x != 32);
+    let gone = [new.tiles[1].piece(), new.grids[0].piece()];
+    let lost = |piece, number| base(piece, number).filter(|_| !gone.contains(&piece));
     let back = LightingMessage::decode_beside(&bytes, &limits, lost).unwrap();
+    assert!(back.grids[0].probes.is_empty() && !back.is_whole());
+    assert_eq!(back.grids[1], sent.grids[1]);
     for (i, tile) in back.tiles.iter().enumerate() {
         if i == 1 {
             assert!(tile.texels.is_empty());
@@ -330,6 +339,7 @@ impl Forged {
         self.resolution.into_iter().for_each(|n| out.varint(n));
         out.varint(self.first);
         out.varint(self.count);
+        out.varint(self.distance);
         out.bytes(&vec![0; self.code]);
         decode(&out.finish())
     }
@@ -389,5 +399,5 @@ fn golden_bytes() {
 
 const GOLDEN: &str = "\
     ac0205000000a69b443c800801010801040406030109037768790101040406030001020201010002\
-    46390209d6877d05713605b8a6a8982c70503495a4cb561c48119778ea739e14d7ae163da1a1eee7\
-    0f6e7df165f4da1a37e95c525ea9b8586e99c3f0c535d389359e62088412cf";
+    0046390209d6877d05713605b8a6a8982c70503495a4cb561c48119778ea739e14d7ae163da1a1ee\
+    e70f6e7df165f4da1a37e95c525ea9b8586e99c3f0c535d389359e62088412cf";

@@ -8,7 +8,7 @@ use farlight_gi_solver::{
     session::{GridId, Placement, Quality, SnapshotId},
 };
 use farlight_wire::{
-    Blob, Channel, ClientHello, HalfGrid, HalfTile, Invitation, LightingMessage, Limits,
+    Blob, Channel, ClientHello, HalfGrid, HalfTile, Invitation, LightingMessage, Limits, Piece,
 };
 use glam::{UVec3, Vec2, Vec3};
 
@@ -135,7 +135,10 @@ fn fuzz_lighting_beside() {
     let limits = Limits { texels: 1 << 16, probes: 1 << 12, objects: 1000, ..Limits::default() };
     let random = &mut Random(6);
     let old: Vec<[u16; 3]> = (0..1 << 16).map(|i| [0x3800 + (i % 900) as u16; 3]).collect();
-    let base = |area: usize| old.get(..area);
+    let base = |piece| match piece {
+        Piece::Tile(_, rect) => old.get(..rect.area()),
+        Piece::Probes(..) => None,
+    };
     let mut corpus = Vec::new();
     for tiles in 0..6 {
         let mut message = lighting(random, tiles, 1);
@@ -145,16 +148,16 @@ fn fuzz_lighting_beside() {
                 *texel = old.map(|bits| bits + 40 + random.below(20) as u16);
             }
         }
-        let (bytes, rounded) = message.encode_beside(|tile| Some((8, base(tile.rect.area())?)));
-        let read = LightingMessage::decode_beside(&bytes, &limits, |_, rect, _| base(rect.area()));
+        let (bytes, rounded) = message.encode_beside(|piece| Some((8, base(piece)?)));
+        let read = LightingMessage::decode_beside(&bytes, &limits, |piece, _| base(piece));
         assert_eq!(read, Ok(rounded));
         assert_eq!(LightingMessage::decode(&bytes, &limits).is_ok(), tiles == 0);
         corpus.push(bytes);
     }
     mutate::fuzz("lighting_beside", 8_000, corpus, |_, input| {
         // It has what even messages brought.
-        let has = |_, rect: TexelRect, sequence: u64| {
-            if sequence.is_multiple_of(2) { base(rect.area()) } else { None }
+        let has = |piece, sequence: u64| {
+            if sequence.is_multiple_of(2) { base(piece) } else { None }
         };
         let (result, peak) = memory::peak(|| LightingMessage::decode_beside(input, &limits, has));
         let most = (limits.texels * 6 + limits.probes * 54) * 2 + (1 << 20);

@@ -13,10 +13,10 @@ use farlight_gi_solver::{
     },
     session::{LightingUpdate, Quality, SessionChange, SnapshotId},
 };
-use farlight_wire::{Channel, HalfTile};
+use farlight_wire::{Channel, HalfGrid, HalfTile};
 use glam::{Affine3A, Quat, Vec3, Vec4};
 
-use pair::{EDGE, Pair, update};
+use pair::{EDGE, Pair, grid, update};
 
 fn mesh(seed: u32) -> Arc<Mesh> {
     let positions = (0..100 + seed).map(|i| Vec3::new(i as f32, seed as f32, 0.5)).collect();
@@ -230,6 +230,7 @@ fn light_is_equal_in_the_end() {
         let mut rng = Rng::new(seed, 1);
         let mut pair = Pair::new();
         let mut newest = vec![0.0_f32; (EDGE * EDGE) as usize];
+        let mut time = 0.0;
         let mut snapshot = 0;
         pair.connect(true);
         pair.settle();
@@ -249,7 +250,12 @@ fn light_is_equal_in_the_end() {
                             newest[(y * EDGE + x) as usize] = value;
                         }
                     }
-                    pair.server.publish(pair.now, &update(snapshot, &tiles), pair.now);
+                    let mut update = update(snapshot, &tiles);
+                    if pick(2) == 0 {
+                        time = 1.0 + pick(100) as f32 * 0.1;
+                        update.grids.push(grid(time));
+                    }
+                    pair.server.publish(pair.now, &update, pair.now);
                 }
                 4 if pick(8) == 0 => pair.connect(true),
                 5 if pick(8) == 0 => pair.client.resync(),
@@ -288,6 +294,9 @@ fn light_is_equal_in_the_end() {
             })
             .collect();
         assert_eq!(pair.texels, expected, "seed {seed}");
+        let grids = vec![HalfGrid::new(&grid(time))];
+        let message = farlight_wire::LightingMessage { grids, ..Default::default() };
+        assert_eq!(pair.probes, message.rounded().grids[0].probes, "seed {seed}");
         assert_eq!(pair.shown, SnapshotId(snapshot));
     }
 }

@@ -5,13 +5,17 @@ use std::time::Duration;
 use farlight_gi_solver::{
     Scene,
     atlas::{PageId, TexelRect},
-    session::{LightingUpdate, Quality, SessionChange, SessionSettings, SnapshotId, Tile},
+    session::{
+        GridId, GridUpdate, LightingUpdate, Quality, SessionChange, SessionSettings, SnapshotId,
+        Tile,
+    },
+    sh::ShRgb,
 };
 use farlight_wire::{
     BlobStore, Channel, ClientConfig, ClientEvent, ClientHello, ClientSession, Limits,
     ServerConfig, ServerSession, Token, Transmit,
 };
-use glam::Vec3;
+use glam::{UVec3, Vec3};
 
 /// Edge of a lightmap page.
 pub(crate) const EDGE: u32 = 64;
@@ -29,10 +33,27 @@ pub(crate) struct Pair {
     /// Texels as the client shows them, and the newest snapshot that it says it shows.
     pub(crate) texels: Vec<[u16; 3]>,
     pub(crate) shown: SnapshotId,
+    /// Probes as the client shows them.
+    pub(crate) probes: Vec<[[u16; 3]; 9]>,
     /// Bytes of messages by channel that left the client since this was last reset.
     pub(crate) sent: [usize; 3],
     pub(crate) messages: usize,
     sessions: u8,
+}
+
+/// Resolution of the grid: more than one run.
+pub(crate) const PROBES: UVec3 = UVec3::new(13, 11, 5);
+
+/// Probes that differ from place to place and from time to time.
+pub(crate) fn grid(time: f32) -> GridUpdate {
+    let probe = |i: u32| {
+        let mut probe = ShRgb::ZERO;
+        let towards = Vec3::new((i as f32).sin(), (i as f32 * 0.7).cos(), (time * 0.1).sin());
+        probe.add_direction(towards.normalize_or(Vec3::Y), Vec3::new(1.0, 0.5, 2.0) * time);
+        probe
+    };
+    let probes = (0..PROBES.element_product()).map(probe).collect();
+    GridUpdate { grid: GridId(4), resolution: PROBES, probes }
 }
 
 pub(crate) fn settings() -> SessionSettings {
@@ -58,6 +79,7 @@ impl Pair {
             receivers: Vec::new(),
             texels: vec![[0; 3]; (EDGE * EDGE) as usize],
             shown: SnapshotId::default(),
+            probes: vec![[[0; 3]; 9]; PROBES.element_product() as usize],
             sent: [0; 3],
             messages: 0,
             sessions: 0,
@@ -131,6 +153,10 @@ impl Pair {
             let ClientEvent::Lighting { message, .. } = event else { continue };
             assert!(message.snapshot >= self.shown, "snapshots don't go back");
             self.shown = message.snapshot;
+            for run in message.grids {
+                let first = run.first as usize;
+                self.probes[first..first + run.probes.len()].copy_from_slice(&run.probes);
+            }
             for tile in message.tiles {
                 let TexelRect { x, y, width, .. } = tile.rect;
                 for (i, texel) in tile.texels.iter().enumerate() {
