@@ -32,7 +32,12 @@ fn light_is_what_a_local_session_shows() {
 
 /// Cuts the line for a while, again and again, while the light moves. Answers how long it took at
 /// most until the light was right again, and how often the connection was replaced.
-fn worst_of_outages(seed: u64, conditions: LinkConditions, locals: &mut Locals) -> (Duration, u64) {
+fn worst_of_outages(
+    seed: u64,
+    conditions: LinkConditions,
+    deadline: Duration,
+    locals: &mut Locals,
+) -> (Duration, u64) {
     let mut stage = Stage::new(seed, conditions);
     stage.submit_room(0.0);
     stage.settle();
@@ -58,7 +63,7 @@ fn worst_of_outages(seed: u64, conditions: LinkConditions, locals: &mut Locals) 
         let mut took = Duration::ZERO;
         while stage.picture.error(right) > RIGHT {
             assert!(
-                took <= DEADLINE,
+                took <= deadline,
                 "seed {seed}, {outage:?} without a line: the error after {took:?} is {}: {stage:?}",
                 stage.picture.error(right)
             );
@@ -79,20 +84,21 @@ fn light_is_right_again_soon_after_an_outage() {
     // More seeds on request, for a wider look.
     let seeds = std::env::var("FARLIGHT_SEEDS").map_or(6, |seeds| seeds.parse().expect("a number"));
     let mut locals = Locals::default();
-    let worst = (0..seeds).map(|seed| worst_of_outages(seed, bad_line(), &mut locals).0).max();
+    let worst =
+        (0..seeds).map(|seed| worst_of_outages(seed, bad_line(), DEADLINE, &mut locals).0).max();
     println!("right again after {:?} at most", worst.unwrap_or_default());
 }
 
 #[test]
 fn a_connection_that_is_stuck_is_replaced() {
     // So little may be under way that nothing new leaves while the line is cut, not even pings: the
-    // old connection wakes up late.
+    // old connection wakes up late. No real line is so narrow; it may take longer than usual.
     let seeds = std::env::var("FARLIGHT_SEEDS").map_or(4, |seeds| seeds.parse().expect("a number"));
     let mut locals = Locals::default();
     let mut all = 0;
     for seed in 0..seeds {
-        let conditions = LinkConditions { window: 12_000, ..bad_line() };
-        let (worst, replaced) = worst_of_outages(seed, conditions, &mut locals);
+        let conditions = LinkConditions { window: 3000, ..bad_line() };
+        let (worst, replaced) = worst_of_outages(seed, conditions, 2 * DEADLINE, &mut locals);
         println!(
             "right again after {worst:?} at most, the connection was replaced {replaced} times"
         );
