@@ -30,7 +30,7 @@ use farlight_gi_solver::{
     },
     unwrap::{UnwrapOptions, ensure_uv1},
 };
-use glam::{Affine3A, Quat, UVec3, Vec2, Vec3};
+use glam::{Affine3A, Quat, UVec3, Vec3};
 
 struct Arguments {
     scene: Option<PathBuf>,
@@ -95,7 +95,7 @@ fn arguments() -> Arguments {
     a
 }
 
-/// The file's scene; second UV sets that use a small part of their square are stretched over it.
+/// The file's scene, with second UV sets where there are none.
 fn load(path: &Path, scale: f32) -> Vec<SessionChange> {
     let options = ImportOptions { scale, ..ImportOptions::default() };
     let imported = load_scene(path, &options).expect("a readable scene");
@@ -103,18 +103,13 @@ fn load(path: &Path, scale: f32) -> Vec<SessionChange> {
     let mut changes = Vec::new();
     let mut add = |change| changes.push(SessionChange::Scene(change));
     for (id, mesh) in &scene.meshes {
-        let mut mesh = if mesh.uv1.is_empty() {
+        let mesh = if mesh.uv1.is_empty() {
             let unwrapped =
                 ensure_uv1(mesh, &UnwrapOptions::default()).expect("an unwrappable mesh");
             unwrapped.apply(mesh)
         } else {
             Mesh::clone(mesh)
         };
-        let low = mesh.uv1.iter().copied().reduce(Vec2::min).unwrap_or_default();
-        let high = mesh.uv1.iter().copied().reduce(Vec2::max).unwrap_or_default();
-        if (high - low).min_element() < 0.8 {
-            mesh.uv1.iter_mut().for_each(|uv| *uv = (*uv - low) / (high - low));
-        }
         add(SceneChange::SetMesh(*id, Arc::new(mesh)));
     }
     for (id, texture) in &scene.textures {
