@@ -4,6 +4,7 @@
 //! lavapipe will do.
 
 mod cost;
+mod device;
 mod extraction;
 mod gltf;
 mod mock;

@@ -37,6 +37,8 @@ pub(crate) struct State {
     pub(crate) link: Option<LinkStatus>,
     /// How many backends were made.
     pub(crate) made: usize,
+    /// How often all light was asked for again.
+    pub(crate) resyncs: usize,
 }
 
 struct Backend(Mock);
@@ -116,6 +118,10 @@ impl LightingBackend for Backend {
 
     fn link(&self) -> Option<LinkStatus> {
         self.0.lock().link.clone()
+    }
+
+    fn resync(&mut self) {
+        self.0.lock().resyncs += 1;
     }
 
     fn lost_scene(&mut self) -> bool {
