@@ -50,7 +50,7 @@
 //! The congestion control is made for this use (module `congestion`): a few losses are noise, a queue or many
 //! losses are congestion, and silence lets a few more packets go instead of fewer. With 100 ms round trip
 //! and 5 % loss the first message comes within 0.7 s after outages of up to 5.6 s, and 20 KB of new light
-//! within 0.9 s, also when the line is full, if sessions ping every 200 ms (`recovery_times` in the tests).
+//! within 1 s, also when the line is full, if sessions ping every 200 ms (`recovery_times` in the tests).
 //! A server that was killed and started again says so to clients of the one before
 //! (stateless reset), so they needn't wait for a timeout.
 //!
