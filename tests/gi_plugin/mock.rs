@@ -12,9 +12,7 @@ use farlight::gi::{
         SceneChange,
         atlas::{PageId, TexelRect},
         scene::InstanceId,
-        session::{
-            GridId, GridUpdate, LightingUpdate, Placement, Quality, SessionChange, SnapshotId, Tile,
-        },
+        session::{GridId, GridUpdate, LightingUpdate, Placement, SessionChange, SnapshotId, Tile},
         sh::ShRgb,
     },
 };
@@ -93,14 +91,7 @@ impl Mock {
 
 /// An update that says nothing.
 pub(crate) fn empty() -> LightingUpdate {
-    LightingUpdate {
-        snapshot: SnapshotId(1),
-        placements: Vec::new(),
-        refused: Vec::new(),
-        tiles: Vec::new(),
-        grids: Vec::new(),
-        quality: Quality::default(),
-    }
+    LightingUpdate { snapshot: SnapshotId(1), ..default() }
 }
 
 impl LightingBackend for Backend {

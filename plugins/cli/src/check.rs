@@ -11,8 +11,8 @@ use crate::error::{CliError, read_text};
 /// Check a configuration file
 ///
 /// The name of the file's outer struct tells what it is: GiSettings(...) holds the settings of
-/// global illumination, ServerSettings(...) those of a lighting server. Unknown fields, values of the wrong type and values out of range are errors
-/// that name the file, the line and the field.
+/// global illumination, ServerSettings(...) those of a lighting server. Unknown fields, values of the
+/// wrong type and values out of range are errors that name the file, the line and the field.
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// The file, in RON

@@ -60,13 +60,15 @@ pub use backend::{
 pub use components::{GiDynamic, GiProbeVolume, GiScene, GiStatic};
 pub use control::{GiControl, GiView};
 pub use extract::ExtractedScene;
+#[cfg(not(target_arch = "wasm32"))]
+pub use farlight_gi_solver::session::Solve;
 pub use lightmaps::GiLightmaps;
 pub use link::{LinkState, LinkStatus};
 pub use plugin::{GiPlugin, GiSystems};
 pub use settings::GiSettings;
 pub use status::{GiState, GiStatus, GiTimings, GiUpdated, StageTimes};
 #[cfg(not(target_arch = "wasm32"))]
-pub use thread::{Solve, ThreadBackend};
+pub use thread::ThreadBackend;
 
 /// The solver's types that the seam speaks of.
 pub use farlight_gi_solver as solver;

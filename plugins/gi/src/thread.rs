@@ -1,7 +1,6 @@
 //! The solver in a background thread of the game.
 
 use std::{
-    any::Any,
     collections::VecDeque,
     panic::{AssertUnwindSafe, catch_unwind},
     sync::{
@@ -14,7 +13,7 @@ use std::{
 
 use bevy::log::error;
 use farlight_gi_solver::session::{
-    LightingUpdate, Session, SessionChange, SessionSettings, SnapshotId,
+    Session, SessionChange, SessionSettings, SnapshotId, Solve, panic_message,
 };
 
 use crate::{BackendState, GiUpdate, LightingBackend};
@@ -22,30 +21,6 @@ use crate::{BackendState, GiUpdate, LightingBackend};
 /// Updates that may wait to be polled before the solver pauses: a game that doesn't draw doesn't
 /// pile up lighting.
 const MAX_WAITING: usize = 4;
-
-/// What the thread runs: a solver [`Session`], or a stand-in.
-pub trait Solve: Send + 'static {
-    /// Takes changes over.
-    fn apply(&mut self, snapshot: SnapshotId, changes: Vec<SessionChange>);
-    /// One bounded piece of work.
-    fn step(&mut self) -> Option<LightingUpdate>;
-    /// Whether [`step`](Self::step) has nothing to do until something changes.
-    fn is_idle(&self) -> bool;
-}
-
-impl Solve for Session {
-    fn apply(&mut self, snapshot: SnapshotId, changes: Vec<SessionChange>) {
-        Self::apply(self, snapshot, changes);
-    }
-
-    fn step(&mut self) -> Option<LightingUpdate> {
-        Self::step(self)
-    }
-
-    fn is_idle(&self) -> bool {
-        Self::is_idle(self)
-    }
-}
 
 /// Solves on this machine's processor: one thread that drives a [`Session`], whose parallel work
 /// runs on threads of its own. Dropping it stops the solver after the piece of work at hand.
@@ -149,7 +124,7 @@ impl Drop for ThreadBackend {
 fn work<S: Solve>(shared: &Shared, make: impl FnOnce() -> S) {
     let outcome = catch_unwind(AssertUnwindSafe(|| run(shared, make())));
     if let Err(panic) = outcome {
-        let reason = format!("the solver failed: {}", message(&*panic));
+        let reason = format!("the solver failed: {}", panic_message(&*panic));
         error!("global illumination has stopped: {reason}");
         shared.lock().state = BackendState::Failed(reason.into());
     }
@@ -194,17 +169,9 @@ fn run(shared: &Shared, mut solver: impl Solve) {
     }
 }
 
-fn message(panic: &(dyn Any + Send)) -> &str {
-    panic
-        .downcast_ref::<&str>()
-        .copied()
-        .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
-        .unwrap_or("a panic without a message")
-}
-
 #[cfg(test)]
 mod tests {
-    use farlight_gi_solver::session::Quality;
+    use farlight_gi_solver::session::LightingUpdate;
 
     use super::*;
 
@@ -221,14 +188,8 @@ mod tests {
         }
 
         fn step(&mut self) -> Option<LightingUpdate> {
-            self.pending.take().map(|snapshot| LightingUpdate {
-                snapshot,
-                placements: Vec::new(),
-                refused: Vec::new(),
-                tiles: Vec::new(),
-                grids: Vec::new(),
-                quality: Quality::default(),
-            })
+            let snapshot = self.pending.take()?;
+            Some(LightingUpdate { snapshot, ..LightingUpdate::default() })
         }
 
         fn is_idle(&self) -> bool {

@@ -127,14 +127,16 @@ impl Drop for RemoteBackend {
 #[cfg(not(target_arch = "wasm32"))]
 mod thread {
     use std::{
-        any::Any,
         panic::{AssertUnwindSafe, catch_unwind},
         sync::Arc,
         time::{Duration, Instant},
     };
 
     use bevy::log::error;
-    use farlight_gi::{BackendState, solver::session::SessionSettings};
+    use farlight_gi::{
+        BackendState,
+        solver::session::{SessionSettings, panic_message},
+    };
     use farlight_wire::{Connector, Token};
 
     use super::RemoteBackend;
@@ -172,8 +174,8 @@ mod thread {
     ) {
         let run = AssertUnwindSafe(|| run(shared, settings, session, find));
         if let Err(panic) = catch_unwind(run) {
-            error!("the thread of remote lighting failed: {}", message(&*panic));
-            shared.fail(format!("remote lighting failed: {}", message(&*panic)));
+            error!("the thread of remote lighting failed: {}", panic_message(&*panic));
+            shared.fail(format!("remote lighting failed: {}", panic_message(&*panic)));
         }
         shared.end();
     }
@@ -208,10 +210,5 @@ mod thread {
                 shared.wait(next.map(|next| next.saturating_sub(start.elapsed())));
             }
         }
-    }
-
-    fn message(panic: &(dyn Any + Send)) -> &str {
-        let text = panic.downcast_ref::<String>().map(String::as_str);
-        text.or_else(|| panic.downcast_ref().copied()).unwrap_or("a panic without a message")
     }
 }

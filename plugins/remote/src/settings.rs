@@ -9,13 +9,10 @@ use std::{
 
 use bevy::{asset::Asset, reflect::TypePath};
 use farlight_core::{FieldProblem, RonError, RonSettings, parse_ron};
-use farlight_wire::{Invitation, InvitationError};
+use farlight_wire::{ClientHello, Invitation, InvitationError};
 use serde::{Deserialize, Serialize};
 
 use crate::attempts::Retry;
-
-/// Most characters of a name.
-const NAME: usize = 64;
 
 /// How a lighting server is reached: a value, and an asset that `RemoteSettings(...)` in a RON file
 /// holds (extension `remote.ron`).
@@ -103,7 +100,9 @@ impl RemoteSettings {
     /// Checks everything but where the invitation comes from.
     pub(crate) fn check_values(&self) -> Result<(), FieldProblem> {
         let problem = |field: &'static str, message: &str| Err(FieldProblem::new(field, message));
-        if self.name.chars().count() > NAME || self.name.contains(char::is_control) {
+        if self.name.chars().count() > ClientHello::NAME_CHARS
+            || self.name.contains(char::is_control)
+        {
             return problem(
                 "name",
                 "must have up to 64 characters, none of them control characters",

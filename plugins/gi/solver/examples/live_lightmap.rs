@@ -23,7 +23,7 @@ use farlight_gi_solver::{
     SceneChange,
     estimate::{GatherSettings, no_progress},
     import::{ImportOptions, load_scene},
-    scene::{Light, LightId, Mesh, Sky},
+    scene::{Light, LightId, Sky},
     session::{
         GridId, LightingUpdate, ProbeGrid, Session, SessionChange, SessionSettings, SnapshotId,
         reference,
@@ -99,32 +99,12 @@ fn arguments() -> Arguments {
 fn load(path: &Path, scale: f32) -> Vec<SessionChange> {
     let options = ImportOptions { scale, ..ImportOptions::default() };
     let imported = load_scene(path, &options).expect("a readable scene");
-    let scene = imported.scene;
-    let mut changes = Vec::new();
-    let mut add = |change| changes.push(SessionChange::Scene(change));
-    for (id, mesh) in &scene.meshes {
-        let mesh = if mesh.uv1.is_empty() {
-            let unwrapped =
-                ensure_uv1(mesh, &UnwrapOptions::default()).expect("an unwrappable mesh");
-            unwrapped.apply(mesh)
-        } else {
-            Mesh::clone(mesh)
-        };
-        add(SceneChange::SetMesh(*id, Arc::new(mesh)));
+    let mut scene = imported.scene;
+    for mesh in scene.meshes.values_mut().filter(|mesh| mesh.uv1.is_empty()) {
+        let unwrapped = ensure_uv1(mesh, &UnwrapOptions::default()).expect("an unwrappable mesh");
+        *mesh = Arc::new(unwrapped.apply(mesh));
     }
-    for (id, texture) in &scene.textures {
-        add(SceneChange::SetTexture(*id, texture.clone()));
-    }
-    for (id, material) in &scene.materials {
-        add(SceneChange::SetMaterial(*id, material.clone()));
-    }
-    for (id, instance) in &scene.instances {
-        add(SceneChange::SetInstance(*id, instance.clone()));
-    }
-    for (id, light) in &scene.lights {
-        add(SceneChange::SetLight(*id, *light));
-    }
-    add(SceneChange::SetSky(scene.sky));
+    let mut changes: Vec<_> = scene.changes().map(SessionChange::Scene).collect();
     changes.extend(scene.instances.keys().map(|id| SessionChange::AddReceiver(*id)));
     changes
 }

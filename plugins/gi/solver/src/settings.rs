@@ -86,19 +86,28 @@ pub struct SettingsError {
     pub expected: &'static str,
 }
 
+impl SettingsError {
+    /// The error of `field`, which holds `value` and must be `expected`, unless it is `good`.
+    ///
+    /// # Errors
+    /// It is not good.
+    pub fn check(
+        good: bool,
+        field: &'static str,
+        value: &dyn ToString,
+        expected: &'static str,
+    ) -> Result<(), Self> {
+        if good { Ok(()) } else { Err(Self { field, value: value.to_string(), expected }) }
+    }
+}
+
 impl GiSettings {
     /// Checks every range.
     ///
     /// # Errors
     /// The first field that is out of its range.
     pub fn validate(&self) -> Result<(), SettingsError> {
-        let check = |good: bool, field, value: &dyn ToString, expected| {
-            if good {
-                Ok(())
-            } else {
-                Err(SettingsError { field, value: value.to_string(), expected })
-            }
-        };
+        let check = SettingsError::check;
         check(
             self.page_size.is_power_of_two() && (16..=4096).contains(&self.page_size),
             "page_size",

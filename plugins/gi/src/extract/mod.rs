@@ -82,21 +82,8 @@ impl ExtractedScene {
 
     /// Everything, for a backend that knows nothing.
     fn all(&self) -> Vec<SessionChange> {
-        let scene = &self.scene;
-        let textures = scene.textures.iter().map(|(&id, t)| SceneChange::SetTexture(id, t.clone()));
-        let materials =
-            scene.materials.iter().map(|(&id, m)| SceneChange::SetMaterial(id, m.clone()));
-        let meshes = scene.meshes.iter().map(|(&id, m)| SceneChange::SetMesh(id, m.clone()));
-        let instances =
-            scene.instances.iter().map(|(&id, i)| SceneChange::SetInstance(id, i.clone()));
-        let lights = scene.lights.iter().map(|(&id, l)| SceneChange::SetLight(id, *l));
-        let sky = std::iter::once(SceneChange::SetSky(scene.sky.clone()));
-        textures
-            .chain(materials)
-            .chain(meshes)
-            .chain(instances)
-            .chain(lights)
-            .chain(sky)
+        self.scene
+            .changes()
             .map(SessionChange::Scene)
             .chain(self.receivers.iter().map(|&id| SessionChange::AddReceiver(id)))
             .chain(self.grids.iter().map(|(&id, &grid)| SessionChange::SetGrid(id, grid)))

@@ -188,9 +188,9 @@ impl Driver {
             let Some(line) = &mut self.line else { return Ok(false) };
             let Some(event) = line.link.poll() else { return Ok(false) };
             match event {
-                LinkEvent::Opened => {}
+                // Light is held back by its acknowledgements, everything else is small.
+                LinkEvent::Opened | LinkEvent::Sent(_) => {}
                 LinkEvent::Received(channel, message) => self.take(now, channel, &message)?,
-                LinkEvent::Sent(id) => lock(&self.room.wire).sent(now, id),
                 LinkEvent::Closed(closed) => self.closed(now, &closed)?,
             }
         }

@@ -23,8 +23,11 @@ mod settings;
 mod stepped;
 mod worker;
 
+pub use farlight_gi_solver::settings::SettingsError;
 pub use report::SessionReport;
 pub use server::Server;
-pub use settings::{ServerSettings, SettingsError};
+pub use settings::ServerSettings;
 pub use stepped::SteppedServer;
-pub use worker::{Solve, SolverFactory};
+pub use worker::SolverFactory;
+
+pub use farlight_gi_solver::session::Solve;

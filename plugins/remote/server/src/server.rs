@@ -7,7 +7,10 @@ use std::{
     time::{Duration, Instant},
 };
 
-use farlight_gi_solver::session::{Session, SessionSettings};
+use farlight_gi_solver::{
+    session::{Session, SessionSettings, panic_message},
+    settings::SettingsError,
+};
 use farlight_wire::{CloseCode, Listener, Token};
 use tracing::{error, warn};
 
@@ -16,8 +19,8 @@ use crate::{
     driver::{Driver, Next},
     house::House,
     report::SessionReport,
-    settings::{ServerSettings, SettingsError},
-    worker::{SolverFactory, message},
+    settings::ServerSettings,
+    worker::SolverFactory,
 };
 
 /// A running lighting server: clients come in over a [`Listener`], each gets a session with a solver
@@ -135,7 +138,7 @@ fn attend(house: &Arc<House>, mut door: Door, start: Instant) {
                 house.bell.wait(next.map(|next| next.saturating_sub(start.elapsed())));
             }
             // What it was looking at is gone with the panic; sessions have threads of their own.
-            Err(panic) => error!("a greeting made the server fail: {}", message(&*panic)),
+            Err(panic) => error!("a greeting made the server fail: {}", panic_message(&*panic)),
         }
     }
     door.close();
@@ -195,7 +198,7 @@ fn drive(mut driver: Driver, start: Instant) {
             }
             Ok(Next::Over) => break,
             Err(panic) => {
-                driver.fail(message(&*panic));
+                driver.fail(panic_message(&*panic));
                 break;
             }
         }

@@ -15,9 +15,9 @@ use std::{
     time::Duration,
 };
 
-use farlight_wire::Limits;
+use farlight_gi_solver::settings::SettingsError;
+use farlight_wire::{Invitation, Limits};
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 /// Where a server listens and what it gives to whom. Every field may be left out; an unknown one is
 /// an error.
@@ -97,27 +97,15 @@ impl Default for ServerSettings {
     }
 }
 
-/// A setting out of its range.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("{field} is {value}, must be {expected}")]
-pub struct SettingsError {
-    /// The field's name as in the file.
-    pub field: &'static str,
-    /// What it holds.
-    pub value: String,
-    /// What it may hold.
-    pub expected: &'static str,
-}
-
 impl ServerSettings {
     /// Checks every range.
     ///
     /// # Errors
     /// The first field that is out of its range.
     pub fn validate(&self) -> Result<(), SettingsError> {
-        let odd = |c: char| c.is_whitespace() || c.is_control() || "[]/@#?".contains(c);
+        let check = SettingsError::check;
         check(
-            !self.public_host.contains(odd),
+            self.public_host.is_empty() || Invitation::is_host(&self.public_host),
             "public_host",
             &format_args!("{:?}", self.public_host),
             "a name or an address, without port and brackets",
@@ -176,15 +164,6 @@ impl ServerSettings {
     pub(crate) fn hello_time(&self) -> Duration {
         Duration::from_secs(self.hello_seconds.into())
     }
-}
-
-fn check(
-    good: bool,
-    field: &'static str,
-    value: &dyn std::fmt::Display,
-    expected: &'static str,
-) -> Result<(), SettingsError> {
-    if good { Ok(()) } else { Err(SettingsError { field, value: value.to_string(), expected }) }
 }
 
 pub(crate) fn bytes(mebibytes: u32) -> usize {

@@ -2,6 +2,7 @@
 
 use std::{sync::Arc, time::Duration};
 
+use farlight_gi_solver::settings::SettingsError;
 use farlight_wire::{CloseCode, Listener, Token};
 
 use crate::{
@@ -10,7 +11,7 @@ use crate::{
     house::House,
     report::SessionReport,
     server,
-    settings::{ServerSettings, SettingsError},
+    settings::ServerSettings,
     worker::{SolverFactory, Worker},
 };
 

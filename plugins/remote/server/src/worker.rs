@@ -1,44 +1,19 @@
 //! Solves the light of one session.
 
 use std::{
-    any::Any,
     panic::{AssertUnwindSafe, catch_unwind},
     sync::{Arc, atomic::Ordering},
     time::{Duration, Instant},
 };
 
 use farlight_gi_solver::session::{
-    LightingUpdate, Quality, Session, SessionChange, SessionSettings, SnapshotId,
+    LightingUpdate, Quality, SessionSettings, SnapshotId, Solve, panic_message,
 };
 
 use crate::{
     bell::lock,
     house::{House, Room, Task},
 };
-
-/// What solves light: a solver [`Session`], or a stand-in.
-pub trait Solve: Send {
-    /// Takes changes over.
-    fn apply(&mut self, snapshot: SnapshotId, changes: Vec<SessionChange>);
-    /// One bounded piece of work.
-    fn step(&mut self) -> Option<LightingUpdate>;
-    /// Whether [`step`](Self::step) has nothing to do until something changes.
-    fn is_idle(&self) -> bool;
-}
-
-impl Solve for Session {
-    fn apply(&mut self, snapshot: SnapshotId, changes: Vec<SessionChange>) {
-        Self::apply(self, snapshot, changes);
-    }
-
-    fn step(&mut self) -> Option<LightingUpdate> {
-        Self::step(self)
-    }
-
-    fn is_idle(&self) -> bool {
-        Self::is_idle(self)
-    }
-}
 
 /// Makes what solves a session; called on the thread that will run it.
 pub type SolverFactory = Box<dyn Fn(SessionSettings) -> Box<dyn Solve> + Send + Sync>;
@@ -121,7 +96,7 @@ impl Worker {
     fn work(&mut self, clock: &impl Fn() -> Duration) {
         let outcome = catch_unwind(AssertUnwindSafe(|| self.work_here(clock)));
         if let Err(panic) = outcome {
-            let why = message(&*panic).to_owned();
+            let why = panic_message(&*panic).to_owned();
             self.room.set_task(|task| task.failed = Some(why));
             self.room.bell.ring();
         }
@@ -159,17 +134,8 @@ impl Worker {
             // waits for the snapshot should know.
             let quality = Quality { converged: true, ..self.quality };
             let snapshot = self.newest;
-            self.publish(
-                clock,
-                &LightingUpdate {
-                    snapshot,
-                    placements: Vec::new(),
-                    refused: Vec::new(),
-                    tiles: Vec::new(),
-                    grids: Vec::new(),
-                    quality,
-                },
-            );
+            let update = LightingUpdate { snapshot, quality, ..LightingUpdate::default() };
+            self.publish(clock, &update);
         }
     }
 
@@ -187,13 +153,4 @@ impl Worker {
         self.house.counters.updates.fetch_add(1, Ordering::Relaxed);
         self.room.bell.ring();
     }
-}
-
-/// What a panic says.
-pub(crate) fn message(panic: &(dyn Any + Send)) -> &str {
-    panic
-        .downcast_ref::<&str>()
-        .copied()
-        .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
-        .unwrap_or("a panic without a message")
 }

@@ -17,7 +17,7 @@ use std::{
 use farlight_gi_solver::{
     SceneChange,
     import::{ImportOptions, load_scene},
-    scene::{Light, LightId, LightKind, Mesh},
+    scene::{Light, LightId, LightKind},
     session::{
         GridId, LightingUpdate, ProbeGrid, Session, SessionChange, SessionSettings, SnapshotId,
     },
@@ -56,25 +56,14 @@ fn arguments() -> Arguments {
 
 /// Everything of the file, every mesh a receiver, and probes around all of it.
 fn scene(path: &Path) -> Vec<SessionChange> {
-    let scene = load_scene(path, &ImportOptions::default()).expect("a readable scene").scene;
-    let mut changes = Vec::new();
-    let mut add = |change| changes.push(SessionChange::Scene(change));
-    for (id, mesh) in &scene.meshes {
-        let mut mesh = Mesh::clone(mesh);
-        if mesh.uv1.is_empty() {
-            mesh = ensure_uv1(&mesh, &UnwrapOptions::default()).expect("UVs").apply(&mesh);
-        }
-        add(SceneChange::SetMesh(*id, Arc::new(mesh)));
+    let mut scene = load_scene(path, &ImportOptions::default()).expect("a readable scene").scene;
+    // The lamp is the only light.
+    (scene.lights, scene.sky) = Default::default();
+    for mesh in scene.meshes.values_mut().filter(|mesh| mesh.uv1.is_empty()) {
+        let unwrapped = ensure_uv1(mesh, &UnwrapOptions::default()).expect("UVs");
+        *mesh = Arc::new(unwrapped.apply(mesh));
     }
-    for (id, texture) in &scene.textures {
-        add(SceneChange::SetTexture(*id, texture.clone()));
-    }
-    for (id, material) in &scene.materials {
-        add(SceneChange::SetMaterial(*id, material.clone()));
-    }
-    for (id, instance) in &scene.instances {
-        add(SceneChange::SetInstance(*id, instance.clone()));
-    }
+    let mut changes: Vec<_> = scene.changes().map(SessionChange::Scene).collect();
     changes.extend(scene.instances.keys().map(|id| SessionChange::AddReceiver(*id)));
     let (size, centre) = (Vec3::new(10.0, 3.0, 5.0), Vec3::new(0.0, 1.5, 0.0));
     let transform = Affine3A::from_scale_rotation_translation(size, Quat::IDENTITY, centre);
@@ -179,7 +168,7 @@ impl Sums {
         let probes = message.grids.iter().flat_map(|g| &g.probes).flatten().flatten();
         let halves: Vec<u8> = texels.chain(probes).flat_map(|bits| bits.to_le_bytes()).collect();
         let base = |piece| shown.pieces.get(&piece).map(|(n, values)| (*n, &values[..]));
-        let ((bytes, _), encode) = timed(|| message.encode_beside(base));
+        let ((bytes, _), encode) = timed(|| message.clone().encode_beside(base));
         let limits = Limits::default();
         let known =
             |piece, number| base(piece).filter(|(n, _)| *n == number).map(|(_, values)| values);

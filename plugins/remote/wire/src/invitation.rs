@@ -58,6 +58,15 @@ pub struct Invitation {
     pub authority: [u8; FINGERPRINT],
 }
 
+impl Invitation {
+    /// Whether a text can stand for the host: a name or an address without brackets.
+    #[must_use]
+    pub fn is_host(text: &str) -> bool {
+        let odd = |c: char| c.is_whitespace() || c.is_control() || "[]/@#?".contains(c);
+        !text.is_empty() && !text.contains(odd)
+    }
+}
+
 /// What is wrong with the text of an invitation.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum InvitationError {
@@ -96,8 +105,7 @@ impl FromStr for Invitation {
         let (host, port) = place.rsplit_once(':').ok_or(InvitationError::Port)?;
         let bare = host.strip_prefix('[').and_then(|h| h.strip_suffix(']'));
         let host = bare.unwrap_or(host);
-        let odd = |c: char| c.is_whitespace() || c.is_control() || "[]/@#?".contains(c);
-        if host.is_empty() || host.contains(odd) || (bare.is_none() && host.contains(':')) {
+        if !Self::is_host(host) || (bare.is_none() && host.contains(':')) {
             return Err(InvitationError::Host);
         }
         let digits = !port.is_empty() && port.bytes().all(|b| b.is_ascii_digit());

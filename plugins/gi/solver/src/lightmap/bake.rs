@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::{
     Scene,
-    scene::{InstanceId, SceneChange},
+    scene::InstanceId,
     session::{
         GridId, GridUpdate, Placement, ProbeGrid, Quality, Session, SessionChange, SessionSettings,
         SnapshotId,
@@ -85,8 +85,7 @@ impl LightmapSolver {
         progress: &mut dyn FnMut(f32) -> ControlFlow<()>,
     ) -> Option<Lightmap> {
         let mut session = Session::new(self.settings.clone());
-        let mut changes: Vec<SessionChange> =
-            scene_changes(scene).into_iter().map(SessionChange::Scene).collect();
+        let mut changes: Vec<SessionChange> = scene.changes().map(SessionChange::Scene).collect();
         changes.extend(self.receivers.iter().copied().map(SessionChange::AddReceiver));
         changes.extend(self.grids.iter().map(|(id, grid)| SessionChange::SetGrid(*id, *grid)));
         session.apply(SnapshotId(0), changes);
@@ -118,15 +117,4 @@ impl LightmapSolver {
         out.grids = grids.into_values().collect();
         Some(out)
     }
-}
-
-/// The changes that turn an empty scene into this one.
-fn scene_changes(scene: &Scene) -> Vec<SceneChange> {
-    let mut changes = vec![SceneChange::SetSky(scene.sky.clone())];
-    changes.extend(scene.meshes.iter().map(|(id, m)| SceneChange::SetMesh(*id, m.clone())));
-    changes.extend(scene.textures.iter().map(|(id, t)| SceneChange::SetTexture(*id, t.clone())));
-    changes.extend(scene.materials.iter().map(|(id, m)| SceneChange::SetMaterial(*id, m.clone())));
-    changes.extend(scene.instances.iter().map(|(id, i)| SceneChange::SetInstance(*id, i.clone())));
-    changes.extend(scene.lights.iter().map(|(id, light)| SceneChange::SetLight(*id, *light)));
-    changes
 }

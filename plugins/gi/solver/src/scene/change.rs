@@ -44,6 +44,19 @@ impl SceneChange {
 }
 
 impl Scene {
+    /// The changes that turn an empty scene into this one: what is named comes before what names it.
+    pub fn changes(&self) -> impl Iterator<Item = SceneChange> {
+        let textures = self.textures.iter().map(|(id, t)| SceneChange::SetTexture(*id, t.clone()));
+        let materials =
+            self.materials.iter().map(|(id, m)| SceneChange::SetMaterial(*id, m.clone()));
+        let meshes = self.meshes.iter().map(|(id, m)| SceneChange::SetMesh(*id, m.clone()));
+        let instances =
+            self.instances.iter().map(|(id, i)| SceneChange::SetInstance(*id, i.clone()));
+        let lights = self.lights.iter().map(|(id, l)| SceneChange::SetLight(*id, *l));
+        let sky = std::iter::once_with(|| SceneChange::SetSky(self.sky.clone()));
+        textures.chain(materials).chain(meshes).chain(instances).chain(lights).chain(sky)
+    }
+
     /// Applies one change.
     pub fn apply(&mut self, change: SceneChange) {
         match change {

@@ -10,6 +10,7 @@
 mod place;
 mod publish;
 mod run;
+mod solve;
 mod texels;
 
 use std::sync::Arc;
@@ -23,6 +24,7 @@ use crate::{
 };
 
 pub use run::Session;
+pub use solve::{Solve, panic_message};
 pub use texels::{TexelPoint, reference};
 
 /// Names a state of the scene; chosen by whoever sends changes, growing.
@@ -147,7 +149,7 @@ pub struct Quality {
 }
 
 /// What became better.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct LightingUpdate {
     /// The newest snapshot whose changes it shows.
     pub snapshot: SnapshotId,

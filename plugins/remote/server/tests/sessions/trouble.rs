@@ -6,7 +6,7 @@ use std::sync::{
 };
 
 use farlight_gi_solver::session::{
-    LightingUpdate, Quality, Session, SessionChange, SessionSettings, SnapshotId,
+    LightingUpdate, Session, SessionChange, SessionSettings, SnapshotId,
 };
 use farlight_server::{ServerSettings, Solve};
 use farlight_wire::{
@@ -254,14 +254,8 @@ impl Solve for Tireless {
 
     fn step(&mut self) -> Option<LightingUpdate> {
         self.steps.fetch_add(1, Ordering::Relaxed);
-        self.pending.take().map(|snapshot| LightingUpdate {
-            snapshot,
-            placements: Vec::new(),
-            refused: Vec::new(),
-            tiles: Vec::new(),
-            grids: Vec::new(),
-            quality: Quality::default(),
-        })
+        let snapshot = self.pending.take()?;
+        Some(LightingUpdate { snapshot, ..LightingUpdate::default() })
     }
 
     fn is_idle(&self) -> bool {

@@ -55,21 +55,13 @@ impl Arrivals {
                 ));
             }
         }
-        let row = edge.div_ceil(BLOCK);
+        let count = (edge.div_ceil(BLOCK) as usize).pow(2);
         message.tiles.retain(|tile| {
-            let blocks =
-                self.pages.entry(tile.page).or_insert_with(|| vec![0; row as usize * row as usize]);
-            let TexelRect { x, y, width, height } = tile.rect;
-            let columns = x / BLOCK..(x + width).div_ceil(BLOCK);
-            let rows = y / BLOCK..(y + height).div_ceil(BLOCK);
-            let at = |y: u32, columns: &std::ops::Range<u32>| {
-                (y * row + columns.start) as usize..(y * row + columns.end) as usize
-            };
-            let newer = |b: &u64| *b > sequence;
-            if rows.clone().any(|y| blocks[at(y, &columns)].iter().any(newer)) {
+            let blocks = self.pages.entry(tile.page).or_insert_with(|| vec![0; count]);
+            if newest_block(blocks, edge, tile.rect) > sequence {
                 return false;
             }
-            rows.for_each(|y| blocks[at(y, &columns)].fill(sequence));
+            blocks_of(edge, tile.rect).for_each(|block| blocks[block] = sequence);
             true
         });
         message.placements.retain(|p| newest(&mut self.placements, p.instance, sequence));
@@ -97,7 +89,10 @@ impl Arrivals {
         let all = texels.saturating_add(probes.saturating_mul(9));
         let (pages, grids) = (&self.pages, &self.grids);
         let is_shown = |piece: Piece, sequence: u64| match piece {
-            Piece::Tile(page, rect) => newest_block(pages.get(&page), edge, rect) <= sequence,
+            Piece::Tile(page, rect) => {
+                let blocks = pages.get(&page).map_or(&[][..], |blocks| blocks);
+                newest_block(blocks, edge, rect) <= sequence
+            }
             Piece::Probes(grid, first) => {
                 // Of grids that have gone nothing new has come for long.
                 let newest = grids.get(&(grid, first)).copied().unwrap_or(0);
@@ -129,15 +124,17 @@ impl Arrivals {
     }
 }
 
-/// The number of the newest message about any of some texels.
-fn newest_block(blocks: Option<&Vec<u64>>, edge: u32, rect: TexelRect) -> u64 {
+/// The blocks that a rectangle touches.
+fn blocks_of(edge: u32, rect: TexelRect) -> impl Iterator<Item = usize> {
     let row = edge.div_ceil(BLOCK);
     let columns = rect.x / BLOCK..(rect.x + rect.width).div_ceil(BLOCK);
     let rows = rect.y / BLOCK..(rect.y + rect.height).div_ceil(BLOCK);
-    rows.flat_map(|y| columns.clone().map(move |x| (y * row + x) as usize))
-        .filter_map(|i| blocks?.get(i).copied())
-        .max()
-        .unwrap_or(0)
+    rows.flat_map(move |y| columns.clone().map(move |x| (y * row + x) as usize))
+}
+
+/// The number of the newest message about any of some texels.
+fn newest_block(blocks: &[u64], edge: u32, rect: TexelRect) -> u64 {
+    blocks_of(edge, rect).filter_map(|block| blocks.get(block).copied()).max().unwrap_or(0)
 }
 
 fn newest<K: std::hash::Hash + Eq>(seen: &mut HashMap<K, u64>, key: K, sequence: u64) -> bool {

@@ -8,13 +8,15 @@ use std::{
 use farlight_gi_solver::{
     SceneChange,
     scene::Sky,
-    session::{GridId, SessionChange, SnapshotId},
+    session::{SessionChange, SnapshotId},
 };
 
 use crate::{
     Blob, BlobHash,
     codec::Writer,
-    message::{Object, ObjectKey, SkyObject, SnapshotPart, is_readable, write_change},
+    message::{
+        Object, ObjectKey, SkyObject, SnapshotPart, is_readable, total_probes, write_change,
+    },
 };
 
 /// Snapshots that may be on their way. More are not sent: what changes meanwhile is collected.
@@ -205,14 +207,7 @@ impl Mirror {
 
     /// Probes of all grids.
     pub(super) fn probes(&self) -> usize {
-        let grids = self.objects.range(ObjectKey::Grid(GridId(0))..);
-        grids.fold(0, |sum, (_, object)| match object {
-            Object::Grid(grid) => {
-                let [x, y, z] = grid.resolution.to_array().map(|n| n as usize);
-                sum.saturating_add(x.saturating_mul(y).saturating_mul(z))
-            }
-            _ => sum,
-        })
+        total_probes(&self.objects)
     }
 
     pub(super) fn unsent(&self) -> usize {

@@ -1,5 +1,7 @@
 //! The objects that a scene is synchronized by.
 
+use std::collections::BTreeMap;
+
 use farlight_gi_solver::{
     scene::{Instance, InstanceId, Light, LightId, Material, MaterialId, MeshId, TextureId},
     session::{GridId, ProbeGrid},
@@ -65,6 +67,18 @@ pub(crate) enum SkyObject {
         /// Multiplies its values.
         scale: f32,
     },
+}
+
+/// Probes of all grids among objects.
+pub(crate) fn total_probes(objects: &BTreeMap<ObjectKey, Object>) -> usize {
+    let grids = objects.range(ObjectKey::Grid(GridId(0))..);
+    grids.fold(0, |sum, (_, object)| match object {
+        Object::Grid(grid) => {
+            let [x, y, z] = grid.resolution.to_array().map(|n| n as usize);
+            sum.saturating_add(x.saturating_mul(y).saturating_mul(z))
+        }
+        _ => sum,
+    })
 }
 
 impl Object {

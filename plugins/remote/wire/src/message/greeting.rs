@@ -15,10 +15,11 @@ const HELLO: u16 = 1;
 const WELCOME: u16 = 2;
 /// Bytes of a client's name; characters are at most four bytes.
 const MAX_NAME: usize = 256;
-/// Characters of a client's name.
-const NAME_CHARS: usize = 64;
 
 impl ClientHello {
+    /// Characters of a name at most; longer ones are cut off.
+    pub const NAME_CHARS: usize = 64;
+
     pub(crate) fn encode(&self) -> Vec<u8> {
         let mut w = begin(HELLO);
         w.raw(&self.token.0);
@@ -43,7 +44,7 @@ impl ClientHello {
         let token = Token(r.array()?);
         let (has_key, key) = (r.flag()?, r.array()?);
         let name = r.text(MAX_NAME)?;
-        let name = name.chars().filter(|c| !c.is_control()).take(NAME_CHARS).collect();
+        let name = name.chars().filter(|c| !c.is_control()).take(Self::NAME_CHARS).collect();
         let settings = read_settings(&mut r)?;
         let edge = settings.page_size as usize;
         let texels = edge.saturating_mul(edge).saturating_mul(settings.max_pages as usize);

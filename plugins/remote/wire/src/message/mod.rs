@@ -12,7 +12,7 @@ mod greeting;
 mod scene;
 mod service;
 
-pub(crate) use change::{Object, ObjectKey, SkyObject};
+pub(crate) use change::{Object, ObjectKey, SkyObject, total_probes};
 pub(crate) use scene::{is_readable, write_change};
 pub(crate) use service::{Service, agree};
 

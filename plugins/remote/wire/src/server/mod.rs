@@ -207,11 +207,6 @@ impl ServerSession {
         self.events.push_back(event);
     }
 
-    /// The network has taken a message over.
-    pub fn sent(&mut self, _now: Duration, _id: TransmitId) {
-        // Light is held back by its acknowledgements, everything else is small.
-    }
-
     /// The next message to send; see [`ClientSession`](crate::ClientSession::poll_transmit). Encodes
     /// light, so measure it for [`note_encode`](Self::note_encode).
     pub fn poll_transmit(&mut self, now: Duration) -> Option<Transmit> {

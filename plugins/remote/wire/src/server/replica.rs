@@ -12,13 +12,13 @@ use std::{
 use farlight_gi_solver::{
     SceneChange,
     scene::{Instance, InstanceId, MeshId, Sky},
-    session::{GridId, SessionChange, SnapshotId},
+    session::{SessionChange, SnapshotId},
 };
 
 use super::{BlobStore, incoming::Incoming};
 use crate::{
     Blob, BlobHash, Limits, WireError,
-    message::{Chunk, Object, ObjectKey, SkyObject, SnapshotPart},
+    message::{Chunk, Object, ObjectKey, SkyObject, SnapshotPart, total_probes},
 };
 
 /// Arrival times that are remembered.
@@ -302,8 +302,7 @@ impl Replica {
     fn check(&self, limits: &Limits, geometry: bool, grids: bool) -> Result<(), WireError> {
         WireError::check("objects", self.objects.len(), limits.objects)?;
         if geometry {
-            let bytes = self.blobs.values().map(|(blob, _)| blob.memory()).sum();
-            WireError::check("bytes of blobs", bytes, limits.session_blob_bytes)?;
+            WireError::check("bytes of blobs", self.blob_bytes(), limits.session_blob_bytes)?;
             let of_instance = |object: &Object| match object {
                 Object::Instance(instance) => self.solid.get(&instance.mesh).copied(),
                 _ => None,
@@ -312,15 +311,7 @@ impl Replica {
             WireError::check("triangles", triangles, limits.triangles)?;
         }
         if grids {
-            let first = ObjectKey::Grid(GridId(0));
-            let probes =
-                self.objects.range(first..).fold(0_usize, |sum, (_, object)| match object {
-                    Object::Grid(grid) => {
-                        let [x, y, z] = grid.resolution.to_array().map(|n| n as usize);
-                        sum.saturating_add(x.saturating_mul(y).saturating_mul(z))
-                    }
-                    _ => sum,
-                });
+            let probes = total_probes(&self.objects);
             WireError::check("probes", probes, limits.probes)?;
         }
         Ok(())
@@ -329,8 +320,11 @@ impl Replica {
     /// Objects, triangles and bytes of blobs, for reports.
     pub(super) fn size(&self) -> (usize, usize, usize) {
         let triangles = self.solid.values().sum();
-        let bytes = self.blobs.values().map(|(blob, _)| blob.memory()).sum();
-        (self.objects.len(), triangles, bytes)
+        (self.objects.len(), triangles, self.blob_bytes())
+    }
+
+    fn blob_bytes(&self) -> usize {
+        self.blobs.values().map(|(blob, _)| blob.memory()).sum()
     }
 
     /// Whether a blob is on its way.

@@ -62,26 +62,27 @@ impl LightingMessage {
     /// [`decode`](Self::decode)) are left out, reasons are cut off and times above 584 years too.
     #[must_use]
     pub fn encode(&self) -> Vec<u8> {
-        self.encode_beside(|_| None).0
+        self.clone().encode_beside(|_| None).0
     }
 
     /// Its encoding, and what will arrive. `base` answers what the other side has of a piece (nine
     /// coefficients a probe), if it is known, and the number of the message that brought it.
     #[must_use]
     pub fn encode_beside<'a>(
-        &self,
+        self,
         base: impl Fn(Piece) -> Option<(u64, &'a [[u16; 3]])>,
     ) -> (Vec<u8>, Self) {
         let mut message = self.without_invalid();
+        let sequence = message.sequence;
         let choose = |piece: Piece, values: &[[u16; 3]]| {
             let (number, known) = base(piece)?;
-            let fits = number < self.sequence && known.len() == values.len();
+            let fits = number < sequence && known.len() == values.len();
             let good = match piece {
                 _ if !fits => false,
                 Piece::Tile(..) => tile::is_smoother_beside(values, known),
                 Piece::Probes(..) => probe::is_smoother_beside(values, known),
             };
-            good.then_some((self.sequence - number, known))
+            good.then_some((sequence - number, known))
         };
         let tiles = message.tiles.iter().map(|tile| choose(tile.piece(), &tile.texels));
         let grids =
@@ -107,13 +108,13 @@ impl LightingMessage {
     /// What arrives: [`decode`](Self::decode) of [`encode`](Self::encode).
     #[must_use]
     pub fn rounded(&self) -> Self {
-        let mut message = self.without_invalid();
+        let mut message = self.clone().without_invalid();
         message.code(&mut RangeEncoder::new(), &[]);
         message
     }
 
-    fn without_invalid(&self) -> Self {
-        let mut message = self.clone();
+    fn without_invalid(self) -> Self {
+        let mut message = self;
         message.placements.retain(|p| is_rect(p.page, p.rect));
         message.tiles.retain(|t| is_rect(t.page, t.rect) && t.texels.len() == t.rect.area());
         message.grids.retain(|g| {

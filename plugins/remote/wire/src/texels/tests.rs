@@ -249,7 +249,7 @@ fn tiles_beside_a_base_are_small_and_exact() {
         let run = || old.grids.iter().find(|g| g.piece() == piece);
         tile.or_else(|| Some(run()?.probes.as_flattened()))
     };
-    let (bytes, sent) = new.encode_beside(|piece| Some((3, find(piece)?)));
+    let (bytes, sent) = new.clone().encode_beside(|piece| Some((3, find(piece)?)));
     let base = |piece, number| find(piece).filter(|_| number == 3);
     let limits = Limits::default();
     let back = LightingMessage::decode_beside(&bytes, &limits, base).unwrap();
