@@ -4,6 +4,7 @@
 //!
 //! | feature | plugin | what |
 //! |---|---|---|
+//! | `btf` (default) | [`btf::BtfPlugin`] | measured materials, decoded in the shader |
 //! | `gi` (default) | [`gi::GiPlugin`] | global illumination: lightmaps and probes, solved in the background |
 //! | `remote` | `remote::RemotePlugin` | the same, solved on another machine |
 //!
@@ -30,6 +31,9 @@
 
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 
+/// Measured materials.
+#[cfg(feature = "btf")]
+pub use farlight_btf as btf;
 /// What the plugins share.
 pub use farlight_core as core;
 /// Global illumination.
@@ -44,6 +48,7 @@ pub use farlight_remote as remote;
 /// | plugin | what it is responsible for |
 /// |---|---|
 /// | [`core::FarlightCorePlugin`] | shared types, texels into textures |
+/// | [`btf::BtfPlugin`] | measured materials |
 /// | [`gi::GiPlugin`] | indirect light |
 /// | `remote::RemotePlugin` | what a lighting server should know of windows and cameras |
 ///
@@ -62,6 +67,8 @@ pub struct FarlightPlugins;
 impl PluginGroup for FarlightPlugins {
     fn build(self) -> PluginGroupBuilder {
         let group = PluginGroupBuilder::start::<Self>().add(farlight_core::FarlightCorePlugin);
+        #[cfg(feature = "btf")]
+        let group = group.add(farlight_btf::BtfPlugin);
         #[cfg(feature = "gi")]
         let group = group.add(farlight_gi::GiPlugin::default());
         #[cfg(feature = "remote")]
@@ -73,6 +80,8 @@ impl PluginGroup for FarlightPlugins {
 /// What most games use.
 pub mod prelude {
     pub use crate::FarlightPlugins;
+    #[cfg(feature = "btf")]
+    pub use farlight_btf::{BtfAsset, BtfFilter, BtfMaterial, BtfPlugin};
     pub use farlight_core::{DerivedLight, SkyRadiance, SkySource};
     #[cfg(feature = "gi")]
     pub use farlight_gi::{

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`DerivedLight`] | lights that a plugin made; no plugin reads them as lights of the scene |
 //! | [`SkySource`] | the one sky that lighting counts |
+//! | [`shader_path`] | the suite's shader modules, embedded |
 //! | [`TextureUploads`] | texels into existing textures, a bounded number of bytes a frame |
 //! | [`RonPlugin`], [`RonSettings`] | configuration files as hot-reloaded assets, errors with file, line and field |
 //! | [`LeftOut`], [`TimeStats`], [`TimeWindow`], [`CostMeter`] | what status resources are made of |
@@ -13,6 +14,7 @@
 mod cost;
 mod light;
 mod ron_asset;
+mod shaders;
 mod sky;
 mod status;
 mod upload;
@@ -22,17 +24,20 @@ use bevy::app::{App, Plugin};
 pub use cost::{CostMeter, Measured, thread_cpu_time};
 pub use light::DerivedLight;
 pub use ron_asset::{FieldProblem, RonError, RonLoader, RonPlugin, RonSettings, parse_ron};
+pub use shaders::shader_path;
 pub use sky::{SkyRadiance, SkySource, SkyTaken};
 pub use status::{LeftOut, TimeStats, TimeWindow};
 pub use upload::{Region, RegionProblem, TextureUploads, Ticket, UploadProgress};
 
-/// Registers the shared types and the texture uploader.
+/// Registers the shared types, the shader modules and the texture uploader. Add it after the engine's
+/// own plugins.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FarlightCorePlugin;
 
 impl Plugin for FarlightCorePlugin {
     fn build(&self, app: &mut App) {
         app.register_type::<DerivedLight>().init_resource::<SkySource>();
+        shaders::build(app);
         upload::build(app);
     }
 

@@ -1,0 +1,45 @@
+//! Measured materials: a *bidirectional texture function* (BTF) says for each texel, each direction
+//! of light and each direction of view how bright and of what colour a surface is.
+//!
+//! This crate reads such materials, evaluates them on the CPU (the specification of the shaders)
+//! and on the GPU, and compresses them. It knows no engine.
+//!
+//! # The compressed form
+//!
+//! A texel is a function of four numbers: azimuth and elevation of the view, and two angles of the
+//! light round that view ([`SliceAngles`]). Each level of a chain of code-books replaces one number
+//! by rows of the level below (Havran, Filip, Myszkowski, *Bidirectional Texture Function
+//! Compression Based on Multi-Level Vector Quantization*, Computer Graphics Forum 29(1), 2010):
+//!
+//! | table of [`Tables`] | one row has | and leads to |
+//! |---|---|---|
+//! | `texels` | one entry a texel | a row of `azimuths`, with a scale |
+//! | `azimuths` | one entry an azimuth of the view | a row of `elevations`, with a scale |
+//! | `elevations` | one entry an elevation of the view | a slice, with a scale |
+//! | `slices` | two entries | a row of `luminances` and a row of `chromas` |
+//! | `luminances` | one entry an angle alpha of the light | a row of `shapes`, with a scale |
+//! | `shapes` | one number an angle beta of the light | luminance |
+//! | `chromas` | one entry an angle alpha | a row of `colour_rows` |
+//! | `colour_rows` | one entry an angle beta | a colour |
+//! | `colours` | two numbers | blue and red chroma (or u' and v') |
+//!
+//! [`Btf`] holds the tables packed into 32-bit words, as a file stores them and as the GPU reads
+//! them.
+
+mod angles;
+mod colour;
+mod error;
+mod evaluate;
+mod layout;
+mod material;
+mod pack;
+pub mod read;
+mod tables;
+
+pub use angles::{Angles, Cell, SliceAngles};
+pub use colour::{ColourSpace, linear, srgb_encode};
+pub use error::BtfError;
+pub use evaluate::{Rules, ViewSlices};
+pub use layout::{Layout, Packed};
+pub use material::{Btf, Info};
+pub use tables::{References, Samples, Scaled, Tables};

@@ -1,0 +1,5 @@
+//! Readers of material files.
+
+mod text;
+
+pub use text::read_text;

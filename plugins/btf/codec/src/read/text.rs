@@ -1,0 +1,135 @@
+//! The text form of the BTFbase format: a folder with one file a table.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::{Btf, BtfError, ColourSpace, Info, References, Samples, Scaled, Tables};
+
+/// More numbers than this in one file are refused: 2^26.
+const LIMIT: usize = 1 << 26;
+
+/// Reads a folder of text tables that holds one material.
+///
+/// # Errors
+///
+/// Files that are missing or damaged, tables that contradict each other, variants of the format
+/// that are not understood.
+pub fn read_text(folder: &Path) -> Result<Btf, BtfError> {
+    let name = material_name(folder)?;
+    let own = |table: &str| folder.join(format!("{name}_{table}.txt"));
+    let all = |table: &str| folder.join(format!("all_{table}.txt"));
+
+    let texels = scaled(&own("PDF6Dslices"), &own("PDF6Dscale"), 1)?;
+    let columns = texels.columns;
+    let tables = Tables {
+        colour_space: ColourSpace::YCbCr,
+        beta_uniform_in_sine: true,
+        texels,
+        azimuths: scaled(&all("PDF4Dslices"), &all("PDF4Dscale"), 0)?,
+        elevations: scaled(&all("PDF3Dslices"), &all("PDF3Dscale"), 0)?,
+        slices: references(&all("PDF2Dindices"))?,
+        luminances: scaled(&all("PDF2Dslices"), &all("PDF2Dscale"), 0)?,
+        shapes: samples(&all("PDF1Dslice"))?,
+        chromas: references(&all("PDF2Dcolours"))?,
+        colour_rows: references(&all("indexAB"))?,
+        colours: samples(&all("colors"))?,
+    };
+    let info = Info { name, source: "BTFbase, text".to_owned(), size: None };
+    Btf::new(info, columns, &tables)
+}
+
+/// The part before `_PDF6Dslices.txt`.
+fn material_name(folder: &Path) -> Result<String, BtfError> {
+    let entries = fs::read_dir(folder).map_err(|error| BtfError::io(folder, error))?;
+    let mut names: Vec<String> = entries
+        .flatten()
+        .filter_map(|entry| {
+            let file = entry.file_name().into_string().ok()?;
+            Some(file.strip_suffix("_PDF6Dslices.txt")?.to_owned())
+        })
+        .collect();
+    names.sort();
+    match names.len() {
+        0 => Err(BtfError::format(folder, "no file NAME_PDF6Dslices.txt: not a BTFbase folder")),
+        1 => Ok(names.remove(0)),
+        _ => Err(BtfError::format(folder, format!("several materials: {}", names.join(", ")))),
+    }
+}
+
+/// A table of numbers under its header.
+struct Table<T> {
+    path: PathBuf,
+    columns: usize,
+    range: [T; 2],
+    values: Vec<T>,
+}
+
+impl<T: std::str::FromStr + Copy> Table<T> {
+    fn read(path: &Path) -> Result<Self, BtfError> {
+        let text = fs::read_to_string(path).map_err(|error| BtfError::io(path, error))?;
+        let (header, body) = text.split_once('\n').unwrap_or((&text, ""));
+        let wrong = |what: String| BtfError::format(path, what);
+        let fields: Vec<&str> = header.split_whitespace().collect();
+        let [rows, columns, min, max] = fields[..] else {
+            return Err(wrong(format!("line 1 is {header:?}, not 'rows columns least greatest'")));
+        };
+        let count = |field: &str| {
+            field.parse::<usize>().map_err(|_| wrong(format!("line 1: {field:?} is no count")))
+        };
+        let bound = |field: &str| {
+            field.parse::<T>().map_err(|_| wrong(format!("line 1: {field:?} is no bound")))
+        };
+        let (rows, columns) = (count(rows)?, count(columns)?);
+        let expected = rows.checked_mul(columns).filter(|count| *count <= LIMIT);
+        let expected = expected.ok_or_else(|| {
+            wrong(format!("line 1: {rows} rows of {columns} are more than {LIMIT} numbers"))
+        })?;
+        // The text bounds the memory, whatever the header says.
+        let mut values = Vec::with_capacity(expected.min(body.len()));
+        for (line, text) in body.lines().enumerate() {
+            for word in text.split_whitespace() {
+                values.push(word.parse().map_err(|_| {
+                    wrong(format!("line {}: {word:?} is no number of this table", line + 2))
+                })?);
+            }
+        }
+        if values.len() != expected {
+            return Err(wrong(format!(
+                "{} numbers instead of {rows} rows of {columns}",
+                values.len()
+            )));
+        }
+        Ok(Self { path: path.to_owned(), columns, range: [bound(min)?, bound(max)?], values })
+    }
+}
+
+fn samples(path: &Path) -> Result<Samples, BtfError> {
+    let table = Table::<f32>::read(path)?;
+    Ok(Samples { columns: table.columns, value: table.values, range: Some(table.range) })
+}
+
+fn references(path: &Path) -> Result<References, BtfError> {
+    let table = Table::<u32>::read(path)?;
+    Ok(References { columns: table.columns, index: table.values })
+}
+
+/// Indices, counted from `first`, and factors.
+fn scaled(indices: &Path, factors: &Path, first: u32) -> Result<Scaled, BtfError> {
+    let indices = Table::<u32>::read(indices)?;
+    let factors = Table::<f32>::read(factors)?;
+    let (columns, other) = (indices.columns, factors.columns);
+    if columns != other || indices.values.len() != factors.values.len() {
+        return Err(BtfError::format(
+            factors.path,
+            format!("another shape than {}", indices.path.display()),
+        ));
+    }
+    let mut index = indices.values;
+    for (at, index) in index.iter_mut().enumerate() {
+        *index = index.checked_sub(first).ok_or_else(|| {
+            let place = format!("row {}, column {}", at / columns, at % columns);
+            BtfError::format(&indices.path, format!("{place} has not been compressed yet"))
+        })?;
+    }
+    Ok(Scaled { columns, index, scale: factors.values, range: Some(factors.range) })
+}

@@ -1,0 +1,45 @@
+// Where the tables of a material lie among its words: the twin of plugins/btf/codec/src/layout.rs,
+// which describes the fields. Offsets count from the first word of the buffer.
+
+#define_import_path farlight::btf::layout
+
+const LOG_LUV: u32 = 1u;
+const BETA_IN_SINE: u32 = 2u;
+
+struct Packed {
+    offset: u32,
+    index_bits: u32,
+    min: f32,
+    step: f32,
+}
+
+struct Coded {
+    offset: u32,
+    stride: u32,
+    min: f32,
+    step: f32,
+}
+
+struct Layout {
+    columns: u32,
+    rows: u32,
+    flags: u32,
+    words: u32,
+    phi_count: u32,
+    theta_count: u32,
+    alpha_count: u32,
+    beta_count: u32,
+    texels: Packed,
+    azimuths: Packed,
+    elevations: Packed,
+    luminances: Packed,
+    shapes: Coded,
+    slices: u32,
+    chromas: u32,
+    colour_rows: u32,
+    colour_row_stride: u32,
+    colours: u32,
+    colour_count: u32,
+    factor: f32,
+    reserved: u32,
+}

@@ -1,0 +1,32 @@
+//! The WGSL modules of Farlight, embedded in the program.
+//!
+//! A module's path is `shaders/<plugin>/<concept>.wgsl`, its import path
+//! `farlight::<plugin>::<concept>`; the same names stand in `plugins/<plugin>/src`. A *pure* module
+//! imports nothing of the engine: tests translate it for every graphics interface, and it runs in
+//! compute shaders without an engine (feature `compose`).
+
+/// One file.
+#[derive(Clone, Copy, Debug)]
+pub struct Module {
+    /// Path below this crate's folder, `btf/layout.wgsl`.
+    pub path: &'static str,
+    /// Its text.
+    pub source: &'static str,
+    /// Whether it imports nothing of the engine.
+    pub pure: bool,
+}
+
+macro_rules! modules {
+    ($($kind:ident $path:literal),* $(,)?) => {
+        [$(Module {
+            path: $path,
+            source: include_str!($path),
+            pure: modules!(@ $kind),
+        }),*]
+    };
+    (@ pure) => { true };
+    (@ engine) => { false };
+}
+
+/// Every module; one stands after those that it imports.
+pub const MODULES: &[Module] = &modules![pure "btf/layout.wgsl"];
