@@ -39,6 +39,17 @@ impl ColourSpace {
     }
 }
 
+/// Luma and both chromas of [`ColourSpace::YCbCr`] that decode to red, green and blue of 0 to 255.
+pub(crate) fn video_from_rgb([r, g, b]: [f64; 3]) -> [f64; 3] {
+    // The constants of the decoder, which don't cancel exactly, solved for a luma. A row: the
+    // decoded channel + offset = 1.1643828 luma + chroma part.
+    let [r, g, b] = [r + 222.921, g - 135.576, b + 276.836];
+    // g + k_b/2.017 (b) + k_r/1.596 (r) removes the chromas.
+    let (blue, red) = (0.391_761_72 / 2.017_234_4, 0.812_968_75 / 1.596_027_3);
+    let luma = (g + blue * b + red * r) / (1.164_382_8 * (1.0 + blue + red));
+    [luma, (b - 1.164_382_8 * luma) / 2.017_234_4, (r - 1.164_382_8 * luma) / 1.596_027_3]
+}
+
 /// Luminance of a logarithmic luma: three pieces, linear, a power and an exponential.
 fn luminance(luma: f32) -> f32 {
     if luma < 98.381 {

@@ -34,6 +34,7 @@ mod layout;
 mod material;
 mod pack;
 pub mod read;
+pub mod synthetic;
 mod tables;
 
 pub use angles::{Angles, Cell, SliceAngles};
