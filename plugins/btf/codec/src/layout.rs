@@ -18,7 +18,7 @@ pub struct Packed {
     pub step: f32,
 }
 
-/// Luminances, two 16-bit codes a word, the first in the low half; a row begins on a word.
+/// Numbers as 16-bit codes, two a word, the first in the low half; a row begins on a word.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Coded {
@@ -26,7 +26,7 @@ pub struct Coded {
     pub offset: u32,
     /// Words from one row to the next.
     pub stride: u32,
-    /// Luminance of code 0.
+    /// Number of code 0.
     pub min: f32,
     /// Difference of two neighbouring codes.
     pub step: f32,
@@ -57,28 +57,22 @@ pub struct Layout {
     pub texels: Packed,
     /// To elevations; `phi_count` entries a row.
     pub azimuths: Packed,
-    /// To slices; `theta_count` entries a row.
+    /// To luminances; `theta_count` entries a row, each followed by a word of its own with the row
+    /// of chromas: the table of slices is dissolved in this one.
     pub elevations: Packed,
     /// To shapes; `alpha_count` entries a row.
     pub luminances: Packed,
-    /// `beta_count` codes a row.
+    /// Luminances: `beta_count` codes a row.
     pub shapes: Coded,
-    /// First word of the slices: pairs of a row of luminances and a row of chromas.
-    pub slices: u32,
+    /// Chromas: `beta_count` words a row, the first chroma in the low half, the second in the high
+    /// half; the table of colours is dissolved in this one.
+    pub colour_rows: Coded,
     /// First word of the chromas: `alpha_count` words a row, each a row of colour rows.
     pub chromas: u32,
-    /// First word of the colour rows: `beta_count` 16-bit colour numbers, two a word.
-    pub colour_rows: u32,
-    /// Words from one colour row to the next.
-    pub colour_row_stride: u32,
-    /// First word of the colours: pairs of 32-bit floats.
-    pub colours: u32,
-    /// Number of colours.
-    pub colour_count: u32,
     /// What a colour of [`Layout::LOG_LUV`] is divided by.
     pub factor: f32,
     /// Zero.
-    pub reserved: u32,
+    pub reserved: [u32; 2],
 }
 
 impl Layout {
@@ -95,10 +89,8 @@ impl Layout {
             &mut self.elevations.offset,
             &mut self.luminances.offset,
             &mut self.shapes.offset,
-            &mut self.slices,
+            &mut self.colour_rows.offset,
             &mut self.chromas,
-            &mut self.colour_rows,
-            &mut self.colours,
         ] {
             *offset += base;
         }

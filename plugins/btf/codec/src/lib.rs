@@ -24,7 +24,8 @@
 //! | `colours` | two numbers | blue and red chroma (or u' and v') |
 //!
 //! [`Btf`] holds the tables packed into 32-bit words, as a file stores them and as the GPU reads
-//! them.
+//! them; `slices` and `colours` are dissolved there in the tables that lead to them, which saves a
+//! third of the look-ups.
 
 mod angles;
 mod colour;
@@ -41,6 +42,6 @@ pub use angles::{Angles, Cell, SliceAngles};
 pub use colour::{ColourSpace, linear, srgb_encode};
 pub use error::BtfError;
 pub use evaluate::{Rules, ViewSlices};
-pub use layout::{Layout, Packed};
+pub use layout::{Coded, Layout, Packed};
 pub use material::{Btf, Info};
 pub use tables::{References, Samples, Scaled, Tables};

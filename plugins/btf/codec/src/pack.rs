@@ -68,14 +68,11 @@ pub(crate) fn pack(columns: usize, tables: &Tables) -> Result<(Layout, Vec<u32>)
     // From what is read first in an evaluation to what is read last.
     layout.texels = words.scaled("texels", &tables.texels, tables.azimuths.rows())?;
     layout.azimuths = words.scaled("azimuths", &tables.azimuths, tables.elevations.rows())?;
-    layout.elevations = words.scaled("elevations", &tables.elevations, tables.slices.rows())?;
-    layout.slices = words.pairs(&tables.slices, tables)?;
+    layout.elevations = words.elevations(tables)?;
     layout.luminances = words.scaled("luminances", &tables.luminances, tables.shapes.rows())?;
     layout.shapes = words.coded("shapes", &tables.shapes)?;
     layout.chromas = words.references("chromas", &tables.chromas, tables.colour_rows.rows())?;
-    (layout.colour_rows, layout.colour_row_stride) = words.colour_rows(tables)?;
-    layout.colours = words.floats("colours", &tables.colours)?;
-    layout.colour_count = tables.colours.rows() as u32;
+    layout.colour_rows = words.colour_rows(tables)?;
     // A look-up may read one word beyond the last row.
     words.0.push(0);
     layout.words = words.0.len() as u32;
@@ -146,43 +143,47 @@ impl Words {
         Ok(offset)
     }
 
-    fn pairs(&mut self, slices: &References, tables: &Tables) -> Result<u32> {
-        whole_rows("slices", 2, slices.index.len())?;
-        for (pair, [luminance, chroma]) in slices.index.as_chunks().0.iter().enumerate() {
+    /// Each entry leads to both halves of its slice at once.
+    fn elevations(&mut self, tables: &Tables) -> Result<Packed> {
+        let slices = tables.slices.index.as_chunks().0;
+        whole_rows("slices", 2, tables.slices.index.len())?;
+        in_range("elevations", &tables.elevations.index, slices.len())?;
+        for (slice, [luminance, chroma]) in slices.iter().enumerate() {
             if *luminance as usize >= tables.luminances.rows()
                 || *chroma as usize >= tables.chromas.rows()
             {
                 return Err(damaged(format!(
-                    "slice {pair} refers to row {luminance} of {} luminances and row {chroma} of {} chromas",
+                    "slice {slice} refers to row {luminance} of {} luminances and row {chroma} of {} chromas",
                     tables.luminances.rows(),
                     tables.chromas.rows()
                 )));
             }
         }
-        let offset = self.start();
-        self.0.extend(&slices.index);
-        Ok(offset)
+        let slice = |index: &u32| slices[*index as usize];
+        let luminances = Scaled {
+            index: tables.elevations.index.iter().map(|index| slice(index)[0]).collect(),
+            ..tables.elevations.clone()
+        };
+        let packed = self.scaled("elevations", &luminances, tables.luminances.rows())?;
+        let first = self.0.split_off(packed.offset as usize);
+        let chromas = tables.elevations.index.iter().map(|index| slice(index)[1]);
+        self.0.extend(first.into_iter().zip(chromas).flat_map(|(first, second)| [first, second]));
+        Ok(packed)
     }
 
-    fn colour_rows(&mut self, tables: &Tables) -> Result<(u32, u32)> {
-        let table = &tables.colour_rows;
-        whole_rows("colour rows", table.columns, table.index.len())?;
-        in_range("colour rows", &table.index, tables.colours.rows().min(1 << 16))?;
+    /// Colours in the place of their numbers.
+    fn colour_rows(&mut self, tables: &Tables) -> Result<Coded> {
+        let (rows, colours) = (&tables.colour_rows, &tables.colours);
+        whole_rows("colours", 2, colours.value.len())?;
+        whole_rows("colour rows", rows.columns, rows.index.len())?;
+        in_range("colour rows", &rows.index, colours.rows())?;
+        let steps = Steps::of("colours", &colours.value, colours.range, 16)?;
+        let colours: Vec<u32> = (colours.value.as_chunks().0.iter())
+            .map(|[first, second]| steps.code(*first) | steps.code(*second) << 16)
+            .collect();
         let offset = self.start();
-        for row in table.index.chunks_exact(table.columns) {
-            self.halves(row.iter().copied());
-        }
-        Ok((offset, table.columns.div_ceil(2) as u32))
-    }
-
-    fn floats(&mut self, name: &str, table: &Samples) -> Result<u32> {
-        whole_rows(name, table.columns, table.value.len())?;
-        if table.value.iter().any(|value| !value.is_finite()) {
-            return Err(damaged(format!("a number among the {name} is not finite")));
-        }
-        let offset = self.start();
-        self.0.extend(table.value.iter().map(|value| value.to_bits()));
-        Ok(offset)
+        self.0.extend(rows.index.iter().map(|colour| colours[*colour as usize]));
+        Ok(Coded { offset, stride: rows.columns as u32, min: steps.min, step: steps.step })
     }
 }
 

@@ -52,11 +52,11 @@ impl Btf {
                     .into_iter()
                     .enumerate()
             {
-                let entry = elevation_row * layout.theta_count + column;
-                let (slice, elevation_scale) = self.packed(&layout.elevations, entry);
+                let entry = 2 * (elevation_row * layout.theta_count + column);
+                let (luminances, elevation_scale) = self.packed(&layout.elevations, entry);
                 let at = 2 * half + quarter;
-                slices.luminances[at] = self.word(layout.slices + 2 * slice);
-                slices.chromas[at] = self.word(layout.slices + 2 * slice + 1);
+                slices.luminances[at] = luminances;
+                slices.chromas[at] = self.word(layout.elevations.offset + entry + 1);
                 slices.weights[at] =
                     phi_weight * azimuth_scale * theta_weight * elevation_scale * texel_scale;
             }
@@ -129,10 +129,10 @@ impl Btf {
         {
             let colour_row = self.word(layout.chromas + row * layout.alpha_count + column);
             for (column, beta_weight) in [(beta.low, 1.0 - beta.weight), (beta.high, beta.weight)] {
-                let at = layout.colour_rows + colour_row * layout.colour_row_stride + column / 2;
-                let colour = self.word(at) >> (16 * (column % 2)) & 0xffff;
-                for (channel, sum) in (0..).zip(&mut sum) {
-                    let value = f32::from_bits(self.word(layout.colours + 2 * colour + channel));
+                let colours = &layout.colour_rows;
+                let codes = self.word(colours.offset + colour_row * colours.stride + column);
+                for (sum, code) in sum.iter_mut().zip([codes & 0xffff, codes >> 16]) {
+                    let value = colours.min + code as f32 * colours.step;
                     *sum += alpha_weight * beta_weight * value;
                 }
             }
