@@ -5,6 +5,12 @@
 //! imports nothing of the engine: tests translate it for every graphics interface, and it runs in
 //! compute shaders without an engine (feature `compose`).
 
+#[cfg(feature = "compose")]
+mod compose;
+
+#[cfg(feature = "compose")]
+pub use compose::{ComposeError, Definition, compose};
+
 /// One file.
 #[derive(Clone, Copy, Debug)]
 pub struct Module {
@@ -29,4 +35,12 @@ macro_rules! modules {
 }
 
 /// Every module; one stands after those that it imports.
-pub const MODULES: &[Module] = &modules![pure "btf/layout.wgsl"];
+pub const MODULES: &[Module] = &modules![
+    pure "math.wgsl",
+    pure "btf/layout.wgsl",
+    pure "btf/tables.wgsl",
+    pure "btf/angles.wgsl",
+    pure "btf/colour.wgsl",
+    pure "btf/evaluate.wgsl",
+    pure "btf/evaluate_points.wgsl",
+];
