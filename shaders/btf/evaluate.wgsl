@@ -41,6 +41,13 @@ struct Entry {
     factor: f32,
 }
 
+// An entry of the table of elevations.
+struct SliceEntry {
+    index: u32,
+    factor: f32,
+    chroma_row: u32,
+}
+
 // The value of a texel (column, row; both wrap round): red, green and blue in the range of the
 // material's colour space, the cosine of the light already in it. Black below the horizon.
 fn evaluate(btf: Layout, texel: vec2<u32>, angles: Angles) -> vec3<f32> {
@@ -64,17 +71,16 @@ fn view_slices(btf: Layout, texel: vec2<u32>, theta_v: f32, phi_v: f32) -> ViewS
     let high = packed_entry(btf.azimuths, azimuths + phi.high);
     let low_row = low.index * btf.theta_count;
     let high_row = high.index * btf.theta_count;
-    let a = packed_entry(btf.elevations, low_row + theta.low);
-    let b = packed_entry(btf.elevations, low_row + theta.high);
-    let c = packed_entry(btf.elevations, high_row + theta.low);
-    let d = packed_entry(btf.elevations, high_row + theta.high);
+    let a = slice_entry(btf.elevations, low_row + theta.low);
+    let b = slice_entry(btf.elevations, low_row + theta.high);
+    let c = slice_entry(btf.elevations, high_row + theta.low);
+    let d = slice_entry(btf.elevations, high_row + theta.high);
 
     let around = vec2(1.0 - phi.weight, phi.weight) * vec2(low.factor, high.factor) * start.factor;
     let upwards = vec2(1.0 - theta.weight, theta.weight);
-    let at = btf.slices + 2u * vec4(a.index, b.index, c.index, d.index);
     return ViewSlices(
-        vec4(btf_words[at.x], btf_words[at.y], btf_words[at.z], btf_words[at.w]),
-        vec4(btf_words[at.x + 1u], btf_words[at.y + 1u], btf_words[at.z + 1u], btf_words[at.w + 1u]),
+        vec4(a.index, b.index, c.index, d.index),
+        vec4(a.chroma_row, b.chroma_row, c.chroma_row, d.chroma_row),
         around.xxyy * upwards.xyxy * vec4(a.factor, b.factor, c.factor, d.factor),
     );
 }
@@ -150,10 +156,11 @@ fn slice_value(btf: Layout, luminance_row: u32, chroma_row: u32, cell: LightCell
     let luma = (1.0 - cell.alpha.weight) * low.factor * shape(btf.shapes, low.index, cell)
         + cell.alpha.weight * high.factor * shape(btf.shapes, high.index, cell);
 
-    let colour_rows = btf.chromas + chroma_row * btf.alpha_count;
-    let near = row_chroma(btf, btf_words[colour_rows + cell.alpha.low], cell.beta);
-    let far = row_chroma(btf, btf_words[colour_rows + cell.alpha.high], cell.beta);
-    let chroma = mix(near, far, cell.alpha.weight);
+    let chromas = btf.chromas + chroma_row * btf.alpha_count;
+    let near = row_chroma(btf.colour_rows, btf_words[chromas + cell.alpha.low], cell.beta);
+    let far = row_chroma(btf.colour_rows, btf_words[chromas + cell.alpha.high], cell.beta);
+    let codes = mix(near, far, cell.alpha.weight);
+    let chroma = btf.colour_rows.min + codes * btf.colour_rows.step;
     if (btf.flags & LOG_LUV) != 0u {
         return decode_log_luv(luma, chroma, btf.factor);
     }
@@ -173,18 +180,19 @@ fn halves(word: u32) -> vec2<f32> {
     return vec2(f32(word & 0xffffu), f32(word >> 16u));
 }
 
-// Chroma on a row of colour numbers, linear over beta.
-fn row_chroma(btf: Layout, row: u32, beta: Cell) -> vec2<f32> {
-    let start = btf.colour_rows + row * btf.colour_row_stride;
-    let low = colour(btf, start, beta.low);
-    let high = colour(btf, start, beta.high);
-    return mix(low, high, beta.weight);
+// Codes of the chroma on a row of colours, linear over beta.
+fn row_chroma(colours: Coded, row: u32, beta: Cell) -> vec2<f32> {
+    let start = colours.offset + row * colours.stride;
+    return mix(
+        halves(btf_words[start + beta.low]),
+        halves(btf_words[start + beta.high]),
+        beta.weight,
+    );
 }
 
-fn colour(btf: Layout, row_start: u32, sample: u32) -> vec2<f32> {
-    let word = btf_words[row_start + sample / 2u];
-    let at = btf.colours + 2u * ((word >> (16u * (sample & 1u))) & 0xffffu);
-    return vec2(bitcast<f32>(btf_words[at]), bitcast<f32>(btf_words[at + 1u]));
+fn slice_entry(table: Packed, entry: u32) -> SliceEntry {
+    let packed = packed_entry(table, 2u * entry);
+    return SliceEntry(packed.index, packed.factor, btf_words[table.offset + 2u * entry + 1u]);
 }
 
 fn packed_entry(table: Packed, entry: u32) -> Entry {
