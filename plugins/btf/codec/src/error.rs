@@ -1,6 +1,6 @@
 //! What can be wrong with a material.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Why a material could not be read or made.
 #[derive(Debug, thiserror::Error)]
@@ -30,6 +30,14 @@ pub enum BtfError {
 }
 
 impl BtfError {
+    /// The same about bytes whose file is known.
+    pub(crate) fn in_file(self, path: &Path) -> Self {
+        match self {
+            Self::Tables(what) | Self::Unsupported(what) => Self::format(path, what),
+            other => other,
+        }
+    }
+
     pub(crate) fn format(path: impl Into<PathBuf>, what: impl Into<String>) -> Self {
         Self::Format { path: path.into(), what: what.into() }
     }

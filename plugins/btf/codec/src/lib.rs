@@ -28,20 +28,25 @@
 //! third of the look-ups.
 
 mod angles;
+mod check;
 mod colour;
 mod error;
 mod evaluate;
+mod file;
+mod info;
 mod layout;
 mod material;
 mod pack;
 pub mod read;
 pub mod synthetic;
 mod tables;
+mod words;
 
 pub use angles::{Angles, Cell, SliceAngles};
 pub use colour::{ColourSpace, linear, srgb_encode};
 pub use error::BtfError;
 pub use evaluate::{Rules, ViewSlices};
+pub use info::{Certainty, Info, Repair};
 pub use layout::{Coded, Layout, Packed};
-pub use material::{Btf, Info};
+pub use material::{Btf, TableSize};
 pub use tables::{References, Samples, Scaled, Tables};

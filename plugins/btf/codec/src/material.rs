@@ -1,18 +1,8 @@
 //! A material ready for evaluation.
 
-use crate::{BtfError, ColourSpace, Layout, Tables, pack};
-
-/// What is known of a material besides its tables.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(default)]
-pub struct Info {
-    /// Its name.
-    pub name: String,
-    /// What it was made from, and how.
-    pub source: String,
-    /// Width and height of the picture in metres, if known.
-    pub size: Option<[f32; 2]>,
-}
+use crate::check::{self, Rows};
+use crate::words::Words;
+use crate::{BtfError, ColourSpace, Info, Layout, Tables, pack};
 
 /// A compressed material: code-books packed into words, checked once, so that every evaluation
 /// stays inside them.
@@ -20,7 +10,21 @@ pub struct Info {
 pub struct Btf {
     info: Info,
     layout: Layout,
-    words: Vec<u32>,
+    rows: Rows,
+    words: Words,
+}
+
+/// Place and size of a table, for reports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TableSize {
+    /// Its field in [`Layout`].
+    pub name: &'static str,
+    /// Rows, up to the last one that something refers to.
+    pub rows: u32,
+    /// Entries in a row.
+    pub columns: u32,
+    /// What the rows take among the words.
+    pub bytes: u64,
 }
 
 impl Btf {
@@ -35,7 +39,19 @@ impl Btf {
     /// Tables that are empty, of unequal length, not finite, or refer to rows that do not exist.
     pub fn new(info: Info, columns: usize, tables: &Tables) -> Result<Self, BtfError> {
         let (layout, words) = pack::pack(columns, tables)?;
-        Ok(Self { info, layout, words })
+        Self::from_parts(info, layout, Words::Owned(words))
+    }
+
+    /// Checks everything that evaluation relies on.
+    pub(crate) fn from_parts(info: Info, layout: Layout, words: Words) -> Result<Self, BtfError> {
+        let rows = check::check(&layout, words.as_slice())?;
+        Ok(Self { info, layout, rows, words })
+    }
+
+    /// The same material under another description.
+    #[must_use]
+    pub fn with_info(self, info: Info) -> Self {
+        Self { info, ..self }
     }
 
     /// What is known of the material.
@@ -50,7 +66,7 @@ impl Btf {
 
     /// The tables.
     pub fn words(&self) -> &[u32] {
-        &self.words
+        self.words.as_slice()
     }
 
     /// Width and height in texels.
@@ -65,5 +81,27 @@ impl Btf {
         } else {
             ColourSpace::LogLuv { factor: self.layout.factor }
         }
+    }
+
+    /// The tables' sizes, in the order of a look-up.
+    pub fn table_sizes(&self) -> [TableSize; 7] {
+        let (layout, rows) = (&self.layout, &self.rows);
+        let table = |name, rows: u32, columns: u32, stride: u32| TableSize {
+            name,
+            rows,
+            columns,
+            bytes: u64::from(rows) * u64::from(stride) * 4,
+        };
+        let (phi, theta) = (layout.phi_count, layout.theta_count);
+        let (alpha, beta) = (layout.alpha_count, layout.beta_count);
+        [
+            table("texels", layout.rows, layout.columns, layout.columns),
+            table("azimuths", rows.azimuths, phi, phi),
+            table("elevations", rows.elevations, theta, 2 * theta),
+            table("luminances", rows.luminances, alpha, alpha),
+            table("shapes", rows.shapes, beta, layout.shapes.stride),
+            table("chromas", rows.chromas, alpha, alpha),
+            table("colour rows", rows.colour_rows, beta, layout.colour_rows.stride),
+        ]
     }
 }

@@ -28,9 +28,7 @@ pub(crate) fn pack(columns: usize, tables: &Tables) -> Result<(Layout, Vec<u32>)
         ("beta samples", tables.shapes.columns, 2),
     ];
     for (name, count, least) in counts {
-        if !(least..=1024).contains(&count) {
-            return Err(damaged(format!("{count} {name}; {least} to 1024 are possible")));
-        }
+        sample_count(name, count, least)?;
     }
     let same = [
         ("chromas", tables.chromas.columns, tables.luminances.columns),
@@ -77,6 +75,15 @@ pub(crate) fn pack(columns: usize, tables: &Tables) -> Result<(Layout, Vec<u32>)
     words.0.push(0);
     layout.words = words.0.len() as u32;
     Ok((layout, words.0))
+}
+
+/// Fails where there are too few or too many samples along an axis.
+pub(crate) fn sample_count(name: &str, count: usize, least: usize) -> Result<()> {
+    if (least..=1024).contains(&count) {
+        Ok(())
+    } else {
+        Err(damaged(format!("{count} {name}; {least} to 1024 are possible")))
+    }
 }
 
 #[derive(Default)]

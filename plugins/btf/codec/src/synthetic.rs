@@ -30,7 +30,7 @@ pub fn lambert(albedo: [f32; 3], size: [u32; 2]) -> Result<Btf, BtfError> {
     let info = Info {
         name: "lambert".to_owned(),
         source: format!("the formula of a Lambertian surface of albedo {albedo:?}"),
-        size: None,
+        ..Info::default()
     };
     let texels = (size[0] as usize).saturating_mul(size[1] as usize);
     if texels > 1 << 26 {

@@ -1,6 +1,6 @@
 //! Test vectors of an existing evaluator, where the data is there.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use farlight_btf_codec::{Angles, Btf, Rules, read};
 
@@ -34,14 +34,66 @@ fn compare(btf: &Btf, vectors: &str, tags: &str) {
     println!("{}: worst {:.4}, where f32 is loose {:.4}", btf.info().name, worst[0], worst[1]);
 }
 
+/// Compares with the vectors in the file `name.kind`.
+fn compare_file(folder: &Path, btf: &Btf, kind: &str) {
+    let name = folder.file_name().unwrap().to_str().unwrap();
+    let file = |end: &str| std::fs::read_to_string(folder.join(format!("{name}.{end}"))).unwrap();
+    compare(btf, &file(kind), &file("tags.txt"));
+}
+
 #[test]
 fn text_tables_give_the_vectors() {
     let Some(folder) = materials() else { return };
     for name in ["alu", "wallpaper"] {
         let folder = folder.join(name);
-        let btf = read::read_text(&folder).unwrap();
-        let file =
-            |end: &str| std::fs::read_to_string(folder.join(format!("{name}.{end}"))).unwrap();
-        compare(&btf, &file("csv"), &file("tags.txt"));
+        let btf = read::read_text(&folder, &read::Options::default()).unwrap();
+        compare_file(&folder, &btf, "csv");
     }
+}
+
+#[test]
+fn binaries_give_the_vectors() {
+    let Some(folder) = materials() else { return };
+    for name in ["alu", "corduroy", "wallpaper"] {
+        let folder = folder.join(name);
+        let path = folder.join("binary.btf");
+        let plain = read::Options { repairs: read::Repairs::No, ..Default::default() };
+        compare_file(&folder, &read::read_binary(&path, &plain).unwrap(), "binary.csv");
+        let repaired = read::read_binary(&path, &read::Options::default()).unwrap();
+        compare_file(&folder, &repaired, "binary_repaired.csv");
+    }
+}
+
+/// The rows of FORMAT.md, section 11: material, table, row and column.
+fn wrapped_entries(note: &str) -> Vec<(String, String, u32, u32)> {
+    let section = note.split("## 11.").nth(1).unwrap();
+    let rows = section.lines().filter(|line| {
+        line.starts_with("| ") && line.contains("PDF") || line.contains("| colours |")
+    });
+    rows.map(|line| {
+        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+        let (row, column) = cells[3].split_once(',').unwrap();
+        let entry = (row.parse().unwrap(), column.parse().unwrap());
+        (cells[1].to_owned(), cells[2].to_owned(), entry.0, entry.1)
+    })
+    .collect()
+}
+
+#[test]
+fn wrapped_maxima_are_told_from_the_data() {
+    let Some(folder) = materials() else { return };
+    let note = std::fs::read_to_string(folder.join("FORMAT.md")).unwrap();
+    let mut expected = wrapped_entries(&note);
+    let mut found = Vec::new();
+    for name in ["alu", "corduroy", "wallpaper"] {
+        let path = folder.join(name).join("binary.btf");
+        let btf = read::read_binary(&path, &read::Options::default()).unwrap();
+        for repair in &btf.info().repairs {
+            println!("{name}: {repair}");
+            found.push((name.to_owned(), repair.table.clone(), repair.row, repair.column));
+        }
+    }
+    expected.sort();
+    found.sort();
+    assert_eq!(found, expected);
 }

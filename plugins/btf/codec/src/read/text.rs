@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::Options;
 use crate::{Btf, BtfError, ColourSpace, Info, References, Samples, Scaled, Tables};
 
 /// More numbers than this in one file are refused: 2^26.
@@ -14,7 +15,7 @@ const LIMIT: usize = 1 << 26;
 ///
 /// Files that are missing or damaged, tables that contradict each other, variants of the format
 /// that are not understood.
-pub fn read_text(folder: &Path) -> Result<Btf, BtfError> {
+pub fn read_text(folder: &Path, _options: &Options) -> Result<Btf, BtfError> {
     let name = material_name(folder)?;
     let own = |table: &str| folder.join(format!("{name}_{table}.txt"));
     let all = |table: &str| folder.join(format!("all_{table}.txt"));
@@ -34,7 +35,7 @@ pub fn read_text(folder: &Path) -> Result<Btf, BtfError> {
         colour_rows: references(&all("indexAB"))?,
         colours: samples(&all("colors"))?,
     };
-    let info = Info { name, source: "BTFbase, text".to_owned(), size: None };
+    let info = Info { name, source: "BTFbase, text".to_owned(), ..Info::default() };
     Btf::new(info, columns, &tables)
 }
 
