@@ -34,6 +34,8 @@ mod error;
 mod evaluate;
 mod file;
 mod info;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod layout;
 mod material;
 mod pack;
