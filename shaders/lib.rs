@@ -10,6 +10,9 @@ mod compose;
 
 #[cfg(feature = "compose")]
 pub use compose::{ComposeError, Definition, compose};
+/// The version of what [`compose`] gives.
+#[cfg(feature = "compose")]
+pub use naga;
 
 /// One file.
 #[derive(Clone, Copy, Debug)]

@@ -16,6 +16,7 @@ pub struct Gpu {
     pub(super) device: wgpu::Device,
     pub(super) queue: wgpu::Queue,
     adapter: String,
+    largest_tables: u64,
     trouble: Arc<Mutex<Option<Trouble>>>,
 }
 
@@ -71,7 +72,9 @@ impl Gpu {
         device.set_device_lost_callback(move |reason, text| {
             note(&found, Trouble::Lost(format!("{reason:?}. {text}")));
         });
-        Ok(Self { device, queue, adapter: name, trouble })
+        let limits = device.limits();
+        let largest_tables = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        Ok(Self { device, queue, adapter: name, largest_tables, trouble })
     }
 
     /// Name and interface of the adapter.
@@ -81,8 +84,7 @@ impl Gpu {
 
     /// The most bytes of tables that a material may have.
     pub fn largest_tables(&self) -> u64 {
-        let limits = self.device.limits();
-        u64::from(limits.max_storage_buffer_binding_size).min(limits.max_buffer_size)
+        self.largest_tables
     }
 
     /// Waits until all that was submitted is done.
@@ -107,6 +109,14 @@ impl Gpu {
 
     pub(super) fn failed(&self, what: impl Into<String>) -> GpuError {
         GpuError::Failed { adapter: self.adapter.clone(), what: what.into() }
+    }
+}
+
+#[cfg(test)]
+impl Gpu {
+    /// A device whose buffers are small.
+    pub(super) fn limited(self, largest_tables: u64) -> Self {
+        Self { largest_tables, ..self }
     }
 }
 

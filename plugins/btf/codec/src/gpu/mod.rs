@@ -3,6 +3,8 @@
 mod device;
 mod error;
 mod kernel;
+#[cfg(test)]
+mod tests;
 
 use glam::Vec3;
 
@@ -61,7 +63,8 @@ impl GpuEvaluator {
         let largest = gpu.largest_tables() / size_of::<Point>() as u64;
         let chunk = CHUNK
             .min(usize::try_from(largest).unwrap_or(CHUNK))
-            .min(limits.max_compute_workgroups_per_dimension as usize * kernel::GROUP as usize);
+            .min(limits.max_compute_workgroups_per_dimension as usize * kernel::GROUP as usize)
+            .max(1);
         let buffer = |label, stride: usize, usage| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -91,6 +94,7 @@ impl GpuEvaluator {
     ///
     /// Trouble of the device; it does not go away by asking again.
     pub fn evaluate(&self, queries: &[Query]) -> Result<Vec<Vec3>, GpuError> {
+        self.gpu.check()?;
         let mut values = Vec::with_capacity(queries.len());
         for queries in queries.chunks(self.chunk) {
             self.chunk(queries, &mut values)?;

@@ -1,5 +1,9 @@
 //! Values of the GPU, against test vectors and against the CPU.
 
+mod contract;
+mod made;
+mod twins;
+
 use std::path::PathBuf;
 
 use farlight_btf_codec::gpu::{Gpu, GpuEvaluator, Query};
