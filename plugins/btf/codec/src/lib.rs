@@ -33,9 +33,9 @@ mod colour;
 mod error;
 mod evaluate;
 mod file;
-mod info;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+mod info;
 mod layout;
 mod material;
 mod pack;

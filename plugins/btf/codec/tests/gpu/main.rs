@@ -4,10 +4,10 @@ mod contract;
 mod made;
 mod twins;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use farlight_btf_codec::gpu::{Gpu, GpuEvaluator, Query};
-use farlight_btf_codec::{Angles, Rules, read};
+use farlight_btf_codec::{Angles, Btf, Rules, read};
 use glam::Vec3;
 
 fn gpu() -> Option<Gpu> {
@@ -37,7 +37,7 @@ fn materials() -> Option<PathBuf> {
 /// Tags of rows whose angles f32 resolves badly (FORMAT.md, section 9).
 const LOOSE: [&str; 3] = ["exact90", "beta_pole", "beta_guard"];
 
-fn compare(evaluator: &GpuEvaluator, vectors: &str, tags: &str) {
+fn compare(evaluator: &GpuEvaluator, vectors: &str, tags: &str) -> [f32; 2] {
     let rows: Vec<Vec<f64>> = vectors
         .lines()
         .skip(1)
@@ -62,7 +62,16 @@ fn compare(evaluator: &GpuEvaluator, vectors: &str, tags: &str) {
         let limit = if loose { 0.5 } else { 0.02 };
         assert!(error <= limit, "{n:?} ({tag}): {value} instead of {expected}");
     }
-    println!("worst {:.4}, where f32 is loose {:.4}", worst[0], worst[1]);
+    worst
+}
+
+/// Compares with the vectors in the file `name.kind`.
+fn compare_file(gpu: &Gpu, folder: &Path, btf: &Btf, kind: &str) {
+    let name = folder.file_name().unwrap().to_str().unwrap();
+    let file = |end: &str| std::fs::read_to_string(folder.join(format!("{name}.{end}"))).unwrap();
+    let evaluator = GpuEvaluator::new(gpu, btf, Rules::COMPATIBLE).unwrap();
+    let [worst, loose] = compare(&evaluator, &file(kind), &file("tags.txt"));
+    println!("{name}.{kind}: worst {worst:.4}, where f32 is loose {loose:.4}");
 }
 
 #[test]
@@ -70,11 +79,21 @@ fn text_tables_give_the_vectors() {
     let (Some(folder), Some(gpu)) = (materials(), gpu()) else { return };
     for name in ["alu", "wallpaper"] {
         let folder = folder.join(name);
-        let btf = read::read_text(&folder).unwrap();
-        let evaluator = GpuEvaluator::new(&gpu, &btf, Rules::COMPATIBLE).unwrap();
-        let file =
-            |end: &str| std::fs::read_to_string(folder.join(format!("{name}.{end}"))).unwrap();
-        println!("{name}");
-        compare(&evaluator, &file("csv"), &file("tags.txt"));
+        let btf = read::read_text(&folder, &read::Options::default()).unwrap();
+        compare_file(&gpu, &folder, &btf, "csv");
+    }
+}
+
+#[test]
+fn binaries_give_the_vectors() {
+    let (Some(folder), Some(gpu)) = (materials(), gpu()) else { return };
+    for name in ["alu", "corduroy", "wallpaper"] {
+        let folder = folder.join(name);
+        let path = folder.join("binary.btf");
+        let plain = read::Options { repairs: read::Repairs::No, ..Default::default() };
+        let btf = read::read_binary(&path, &plain).unwrap();
+        compare_file(&gpu, &folder, &btf, "binary.csv");
+        let repaired = read::read_binary(&path, &read::Options::default()).unwrap();
+        compare_file(&gpu, &folder, &repaired, "binary_repaired.csv");
     }
 }
