@@ -46,4 +46,5 @@ pub const MODULES: &[Module] = &modules![
     pure "btf/colour.wgsl",
     pure "btf/evaluate.wgsl",
     pure "btf/evaluate_points.wgsl",
+    pure "btf/evaluate_lights.wgsl",
 ];

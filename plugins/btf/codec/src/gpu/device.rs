@@ -1,6 +1,6 @@
 //! A device without an engine.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Duration;
 
 use wgpu::util::initialize_adapter_from_env;
@@ -85,6 +85,32 @@ impl Gpu {
     /// The most bytes of tables that a material may have.
     pub fn largest_tables(&self) -> u64 {
         self.largest_tables
+    }
+
+    /// The first `bytes` of a buffer that the computer may map, once all that was submitted is done.
+    pub(super) fn read<T: bytemuck::AnyBitPattern>(
+        &self,
+        buffer: &wgpu::Buffer,
+        bytes: u64,
+    ) -> Result<Box<[T]>, GpuError> {
+        let slice = buffer.slice(..bytes);
+        let (sender, receiver) = mpsc::channel();
+        slice.map_async(wgpu::MapMode::Read, move |result| {
+            // Nobody listens any more if waiting failed.
+            let _ = sender.send(result);
+        });
+        self.wait()?;
+        match receiver.try_recv() {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => return Err(self.failed(error.to_string())),
+            Err(_) => return Err(self.failed("gave no answer")),
+        }
+        let view = slice.get_mapped_range();
+        let values =
+            (view.chunks_exact(size_of::<T>())).map(bytemuck::pod_read_unaligned).collect();
+        drop(view);
+        buffer.unmap();
+        Ok(values)
     }
 
     /// Waits until all that was submitted is done.

@@ -51,7 +51,7 @@ impl Resident {
     }
 }
 
-/// A kernel with the bindings layout, tables, input, output.
+/// A kernel with the bindings layout, tables, input, output and perhaps one more.
 #[derive(Debug)]
 pub(super) struct Kernel {
     pipeline: wgpu::ComputePipeline,
@@ -82,17 +82,20 @@ impl Kernel {
         material: &Resident,
         input: wgpu::BufferSlice,
         output: wgpu::BufferSlice,
+        more: Option<&wgpu::Buffer>,
     ) -> wgpu::BindGroup {
         let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        let mut entries = vec![
+            entry(0, material.layout.as_entire_binding()),
+            entry(1, material.words.as_entire_binding()),
+            entry(2, input.into()),
+            entry(3, output.into()),
+        ];
+        entries.extend(more.map(|buffer| entry(4, buffer.as_entire_binding())));
         gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
             layout: &self.pipeline.get_bind_group_layout(0),
-            entries: &[
-                entry(0, material.layout.as_entire_binding()),
-                entry(1, material.words.as_entire_binding()),
-                entry(2, input.into()),
-                entry(3, output.into()),
-            ],
+            entries: &entries,
         })
     }
 

@@ -1,18 +1,22 @@
-//! Evaluation in a compute shader, without an engine: `shaders/btf/evaluate_points.wgsl`.
+//! Evaluation in a compute shader, without an engine: `shaders/btf/evaluate_points.wgsl`, and
+//! `shaders/btf/evaluate_lights.wgsl` for many lights.
 
 mod device;
 mod error;
 mod kernel;
 #[cfg(test)]
 mod tests;
+mod timing;
 
 use glam::Vec3;
+use wgpu::util::DeviceExt;
 
 use crate::{Angles, Btf, Rules};
 
 pub use device::Gpu;
 pub use error::GpuError;
 use kernel::{Kernel, Resident};
+pub use timing::{Clock, Timing};
 
 /// One value to find: a texel and two directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,6 +48,7 @@ pub struct GpuEvaluator {
     kernel: Kernel,
     material: Resident,
     size: [u32; 2],
+    lights: Option<wgpu::Buffer>,
     points: wgpu::Buffer,
     values: wgpu::Buffer,
     answers: wgpu::Buffer,
@@ -58,6 +63,41 @@ impl GpuEvaluator {
     /// Tables that are larger than the device's buffers; trouble of the device.
     pub fn new(gpu: &Gpu, btf: &Btf, rules: Rules) -> Result<Self, GpuError> {
         let kernel = Kernel::new(gpu, "btf/evaluate_points.wgsl", rules)?;
+        Self::build(gpu, btf, kernel, None)
+    }
+
+    /// The same for sums over `lights`, unit vectors in the frame of the surface: of a query, only
+    /// texel and view count. Lights below the surface give nothing.
+    ///
+    /// # Errors
+    ///
+    /// As [`GpuEvaluator::new`].
+    pub fn with_lights(
+        gpu: &Gpu,
+        btf: &Btf,
+        rules: Rules,
+        lights: &[Vec3],
+    ) -> Result<Self, GpuError> {
+        let kernel = Kernel::new(gpu, "btf/evaluate_lights.wgsl", rules)?;
+        let mut lights: Vec<[f32; 4]> = lights.iter().map(|l| l.extend(0.0).to_array()).collect();
+        if lights.is_empty() {
+            // A buffer can't be empty; this one is below the surface.
+            lights.push([0.0, 0.0, -1.0, 0.0]);
+        }
+        let buffer = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("lights"),
+            contents: bytemuck::cast_slice(&lights),
+            usage: wgpu::BufferUsages::STORAGE,
+        });
+        Self::build(gpu, btf, kernel, Some(buffer))
+    }
+
+    fn build(
+        gpu: &Gpu,
+        btf: &Btf,
+        kernel: Kernel,
+        lights: Option<wgpu::Buffer>,
+    ) -> Result<Self, GpuError> {
         let material = Resident::new(gpu, btf)?;
         let limits = gpu.device.limits();
         let largest = gpu.largest_tables() / size_of::<Point>() as u64;
@@ -82,6 +122,7 @@ impl GpuEvaluator {
             kernel,
             material,
             size: btf.size(),
+            lights,
             chunk,
         };
         gpu.check()?;
@@ -103,41 +144,30 @@ impl GpuEvaluator {
     }
 
     fn chunk(&self, queries: &[Query], values: &mut Vec<Vec3>) -> Result<(), GpuError> {
-        let points: Vec<Point> = queries.iter().map(|query| self.point(query)).collect();
         let bytes = (queries.len() * size_of::<[f32; 4]>()) as u64;
         let device = &self.gpu.device;
-        self.gpu.queue.write_buffer(&self.points, 0, bytemuck::cast_slice(&points));
-        let bindings = self.kernel.bind(
-            &self.gpu,
-            &self.material,
-            self.points.slice(..(points.len() * size_of::<Point>()) as u64),
-            self.values.slice(..bytes),
-        );
+        let bindings = self.upload(queries);
         let mut encoder = device.create_command_encoder(&Default::default());
         self.kernel.dispatch(&mut encoder, &bindings, queries.len() as u32, None);
         encoder.copy_buffer_to_buffer(&self.values, 0, &self.answers, 0, bytes);
         self.gpu.queue.submit([encoder.finish()]);
 
-        let answers = self.answers.slice(..bytes);
-        let (sender, receiver) = std::sync::mpsc::channel();
-        answers.map_async(wgpu::MapMode::Read, move |result| {
-            // Nobody listens any more if waiting failed.
-            let _ = sender.send(result);
-        });
-        self.gpu.wait()?;
-        match receiver.try_recv() {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(self.gpu.failed(error.to_string())),
-            Err(_) => return Err(self.gpu.failed("gave no answer")),
-        }
-        let view = answers.get_mapped_range();
-        values.extend(view.chunks_exact(size_of::<[f32; 4]>()).map(|value| {
-            let [x, y, z, _]: [f32; 4] = bytemuck::pod_read_unaligned(value);
-            Vec3::new(x, y, z)
-        }));
-        drop(view);
-        self.answers.unmap();
+        let answers = self.gpu.read::<[f32; 4]>(&self.answers, bytes)?;
+        values.extend(answers.iter().map(|[x, y, z, _]| Vec3::new(*x, *y, *z)));
         Ok(())
+    }
+
+    /// Sends queries, no more than a chunk, and binds them.
+    fn upload(&self, queries: &[Query]) -> wgpu::BindGroup {
+        let points: Vec<Point> = queries.iter().map(|query| self.point(query)).collect();
+        self.gpu.queue.write_buffer(&self.points, 0, bytemuck::cast_slice(&points));
+        self.kernel.bind(
+            &self.gpu,
+            &self.material,
+            self.points.slice(..(points.len() * size_of::<Point>()) as u64),
+            self.values.slice(..(points.len() * size_of::<[f32; 4]>()) as u64),
+            self.lights.as_ref(),
+        )
     }
 
     fn point(&self, query: &Query) -> Point {
