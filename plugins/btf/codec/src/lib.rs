@@ -47,7 +47,7 @@ mod words;
 pub use angles::{Angles, Cell, SliceAngles};
 pub use colour::{ColourSpace, linear, srgb_encode};
 pub use error::BtfError;
-pub use evaluate::{Rules, ViewSlices};
+pub use evaluate::{Backend, Query, Rules, ViewSlices};
 pub use info::{Certainty, Info, Repair};
 pub use layout::{Coded, Layout, Packed};
 pub use material::{Btf, TableSize};

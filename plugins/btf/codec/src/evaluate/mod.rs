@@ -1,7 +1,17 @@
 //! Values of a material: the specification of every other evaluator, in SIMD or in a shader.
 
+mod batch;
+#[cfg(target_arch = "x86_64")]
+mod kernel;
+#[cfg(target_arch = "x86_64")]
+mod lanes;
 mod scalar;
+#[cfg(target_arch = "x86_64")]
+mod trigonometry;
+#[cfg(target_arch = "x86_64")]
+mod wide;
 
+pub use batch::{Backend, Query};
 pub use scalar::ViewSlices;
 
 /// What to do where the format's existing evaluators deviate from what is sound.
