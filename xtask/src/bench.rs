@@ -6,12 +6,17 @@ use crate::{Failure, environment, process, reference, soak};
 
 pub(crate) const HELP: &str = "\
 cargo xtask bench [tracing] [--no-install] [-- OPTIONS]
+cargo xtask bench btf [--json FILE] [--no-install] [-- OPTIONS]
 cargo xtask bench reference [--samples N] [--no-install]
 cargo xtask bench soak [server | demo] [--minutes N | --seconds N] [--no-install]
 
   tracing        rays per second on one core, ours beside Embree's where it is installed (Debian's
                  libembree-dev), coherent and incoherent, closest and any hits; the scene is a
                  real room if FARLIGHT_TEST_DATA names the folder with it, else a generated one
+  btf            values of measured materials a second on one core, one at a time and in vectors, at
+                 random and in raster order, for the suite's own materials and those in the folder
+                 that FARLIGHT_TEST_DATA names; with --fastest after -- the quickest of all rounds
+                 counts, for a busy machine
   reference      bakes two scenes and compares irradiance, probes and visibility with those of an
                  independent renderer, in the folder that FARLIGHT_TEST_DATA names
   soak server    runs `farlight serve` and clients that come, get light, leave in every way, come back
@@ -23,6 +28,7 @@ cargo xtask bench soak [server | demo] [--minutes N | --seconds N] [--no-install
   --samples N    paths a receiver (default 65536)
   --minutes N    how long to soak (default 10), or --seconds N; below five minutes a program is still
                  warming up
+  --json FILE    the figures for programs, too
   --no-install   only name missing system packages
   -- ...         is given to the benchmark or the demo
 ";
@@ -40,6 +46,20 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
                 cargo.arg("--").args(rest);
             }
             process::run(&mut cargo)
+        }
+        Some("btf") => {
+            let json = args.value("--json")?;
+            let rest = args.finish()?;
+            setup::prepare(&[Purpose::Build], install);
+            println!("{}", environment::test_data_line());
+            let mut cargo = process::cargo();
+            cargo.args(["bench", "-p", "farlight_btf_codec", "--bench", "evaluate", "--"]);
+            if let Some(file) = json {
+                // The benchmark runs in the folder of its package.
+                let file = std::path::absolute(&file).map_err(|e| format!("{file}: {e}"))?;
+                cargo.arg("--json").arg(file);
+            }
+            process::run(cargo.args(rest))
         }
         Some("reference") => {
             let samples = args.parsed::<u32>("--samples", "a number of paths")?.unwrap_or(65_536);
@@ -71,6 +91,8 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
             }
             Ok(())
         }
-        Some(other) => Err(format!("there is no benchmark '{other}': tracing, reference, soak.")),
+        Some(other) => {
+            Err(format!("there is no benchmark '{other}': tracing, btf, reference, soak."))
+        }
     }
 }

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use farlight_btf_codec::{Angles, Backend, Btf, Query, Rules, read};
+use farlight_btf_codec::{Angles, Backend, Btf, BtfError, Query, Rules, read};
 use glam::Vec3;
 use serde::Serialize;
 
@@ -77,6 +77,19 @@ fn found() -> Vec<PathBuf> {
     found
 }
 
+/// An own file, or a folder with a binary or text tables.
+fn open(path: &Path) -> Result<Btf, BtfError> {
+    let options = read::Options::default();
+    let binary = path.join("binary.btf");
+    if path.is_file() {
+        Btf::open(path)
+    } else if binary.is_file() {
+        read::read_binary(&binary, &options)
+    } else {
+        read::read_text(path, &options)
+    }
+}
+
 fn main() -> ExitCode {
     match run() {
         Ok(()) => ExitCode::SUCCESS,
@@ -98,7 +111,7 @@ fn run() -> Result<(), String> {
     }
     println!(" {:>7}", "ratio");
     for path in &options.materials {
-        let btf = match read::read_text(path) {
+        let btf = match open(path) {
             Ok(btf) => btf,
             Err(error) => {
                 println!("{} SKIPPED: {error}", path.display());
@@ -187,7 +200,5 @@ fn random(btf: &Btf) -> Vec<Query> {
 fn raster(btf: &Btf) -> Vec<Query> {
     let width = btf.size()[0] as usize;
     let angles = Angles::from_degrees(40.0, 70.0, 25.0, 200.0);
-    (0..COUNT)
-        .map(|at| Query { x: (at % width) as i32, y: (at / width) as i32, angles })
-        .collect()
+    (0..COUNT).map(|at| Query { x: (at % width) as i32, y: (at / width) as i32, angles }).collect()
 }
