@@ -27,6 +27,7 @@
 //! them; `slices` and `colours` are dissolved there in the tables that lead to them, which saves a
 //! third of the look-ups.
 
+mod albedo;
 mod angles;
 mod check;
 mod colour;
@@ -40,10 +41,12 @@ mod layout;
 mod material;
 mod pack;
 pub mod read;
+mod sample;
 pub mod synthetic;
 mod tables;
 mod words;
 
+pub use albedo::Albedo;
 pub use angles::{Angles, Cell, SliceAngles};
 pub use colour::{ColourSpace, linear, srgb_encode};
 pub use error::BtfError;
@@ -51,4 +54,5 @@ pub use evaluate::{Backend, Query, Rules, ViewSlices};
 pub use info::{Certainty, Info, Repair};
 pub use layout::{Coded, Layout, Packed};
 pub use material::{Btf, TableSize};
+pub use sample::{LightSample, LightSampler, ViewFrame};
 pub use tables::{References, Samples, Scaled, Tables};

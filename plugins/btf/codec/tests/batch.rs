@@ -4,8 +4,8 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::path::PathBuf;
 
 use farlight_btf_codec::{
-    Angles, Backend, Btf, ColourSpace, Info, Query, References, Rules, Samples, Scaled, Tables,
-    read,
+    Angles, Backend, Btf, ColourSpace, Info, Query, References, Rules, Samples, Scaled,
+    SliceAngles, Tables, read,
 };
 use glam::Vec3;
 
@@ -176,6 +176,32 @@ fn vectors_agree_with_the_specification_on_measured_tables() {
     for name in ["alu", "corduroy", "wallpaper"] {
         let file = data.join(name).join("binary.btf");
         compare(name, &read::read_binary(&file, &read::Options::default()).unwrap());
+    }
+}
+
+#[test]
+fn many_lights_of_one_view_agree_with_one_at_a_time() {
+    let materials = [
+        made([16, 7, 11, 11], true, ColourSpace::YCbCr),
+        made([3, 2, 4, 2], false, ColourSpace::YCbCr),
+        made([4, 3, 5, 5], true, ColourSpace::LogLuv { factor: 8.0 }),
+    ];
+    for btf in materials {
+        let slices = btf.view_slices(2, 1, 0.7, 2.0);
+        let mut numbers = Numbers(3);
+        let lights: Vec<SliceAngles> = (0..1003)
+            .map(|_| SliceAngles::new(numbers.next().acos(), numbers.next() * TAU, false))
+            .collect();
+        let mut values = vec![Vec3::NAN; lights.len()];
+        for backend in Backend::available() {
+            btf.evaluate_lights_on(backend, &slices, &lights, Rules::SHADING, &mut values);
+            for (light, value) in lights.iter().zip(&values) {
+                let expected = btf.evaluate_slices(&slices, *light, Rules::SHADING);
+                let error = (*value - expected).abs().max_element();
+                // The angles are the same; only sums round.
+                assert!(error <= 2e-5 * expected.max_element() + 1e-3, "{value} {expected}");
+            }
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::{Angles, Btf, Rules};
+use crate::{Angles, Btf, Rules, SliceAngles, ViewSlices};
 
 /// One value that is asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -81,6 +81,48 @@ impl Btf {
         let _ = backend;
         for (query, value) in queries.iter().zip(values) {
             *value = self.evaluate(query.x, query.y, query.angles, rules);
+        }
+    }
+
+    /// As [`Btf::evaluate_slices`] for each light, in their order, on the processor's vectors: what a
+    /// texel shows one view under many lights.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many values as lights.
+    pub fn evaluate_lights(
+        &self,
+        slices: &ViewSlices,
+        lights: &[SliceAngles],
+        rules: Rules,
+        values: &mut [Vec3],
+    ) {
+        self.evaluate_lights_on(Backend::best(), slices, lights, rules, values);
+    }
+
+    /// As [`Btf::evaluate_lights`], with a backend of choice; one that the processor lacks is replaced
+    /// by [`Backend::Scalar`].
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many values as lights.
+    pub fn evaluate_lights_on(
+        &self,
+        backend: Backend,
+        slices: &ViewSlices,
+        lights: &[SliceAngles],
+        rules: Rules,
+        values: &mut [Vec3],
+    ) {
+        assert_eq!(lights.len(), values.len(), "a value for each light");
+        #[cfg(target_arch = "x86_64")]
+        if super::wide::evaluate_lights(self, backend, slices, lights, rules, values) {
+            return;
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        let _ = backend;
+        for (light, value) in lights.iter().zip(values) {
+            *value = self.evaluate_slices(slices, *light, rules);
         }
     }
 }

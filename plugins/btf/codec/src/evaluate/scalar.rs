@@ -114,7 +114,7 @@ impl Btf {
         p0 + t * (m0 + t * (rise - m0 - bend + t * bend))
     }
 
-    fn shape_sample(&self, row: u32, sample: u32) -> f32 {
+    pub(crate) fn shape_sample(&self, row: u32, sample: u32) -> f32 {
         let shapes = &self.layout().shapes;
         let word = self.word(shapes.offset + row * shapes.stride + sample / 2);
         let code = word >> (16 * (sample % 2)) & 0xffff;
@@ -141,13 +141,13 @@ impl Btf {
     }
 
     /// Index and factor of an entry.
-    fn packed(&self, table: &Packed, entry: u32) -> (u32, f32) {
+    pub(crate) fn packed(&self, table: &Packed, entry: u32) -> (u32, f32) {
         let word = self.word(table.offset + entry);
         let code = word >> table.index_bits;
         (word & ((1 << table.index_bits) - 1), table.min + code as f32 * table.step)
     }
 
-    fn word(&self, at: u32) -> u32 {
+    pub(crate) fn word(&self, at: u32) -> u32 {
         self.words()[at as usize]
     }
 }

@@ -4,9 +4,9 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 use glam::Vec3;
 
-use super::kernel::Shared;
+use super::kernel::{Shared, Slices};
 use super::lanes::{Avx2, Avx512, Float, Lanes, MOST, Words, Work};
-use crate::{Backend, Btf, ColourSpace, Layout, Query, Rules};
+use crate::{Backend, Btf, ColourSpace, Layout, Query, Rules, SliceAngles, ViewSlices};
 
 /// Whether it was possible.
 pub(super) fn evaluate(
@@ -16,14 +16,32 @@ pub(super) fn evaluate(
     rules: Rules,
     values: &mut [Vec3],
 ) -> bool {
-    if btf.colour_space() != ColourSpace::YCbCr {
+    on(backend, btf, rules, Queries { queries, values })
+}
+
+/// Whether it was possible.
+pub(super) fn evaluate_lights(
+    btf: &Btf,
+    backend: Backend,
+    slices: &ViewSlices,
+    lights: &[SliceAngles],
+    rules: Rules,
+    values: &mut [Vec3],
+) -> bool {
+    on(backend, btf, rules, Lights { slices, lights, values })
+}
+
+/// Does `task` on the backend, if the processor has it and the material allows it.
+fn on(backend: Backend, btf: &Btf, rules: Rules, task: impl Task) -> bool {
+    if backend == Backend::Scalar || btf.colour_space() != ColourSpace::YCbCr {
         return false;
     }
-    let intervals = intervals(btf.layout());
+    let layout = btf.layout();
+    let intervals = intervals(layout);
     let (Some(words), Some(intervals)) = (Words::new(btf.words()), Words::new(&intervals)) else {
         return false;
     };
-    let work = Queries { btf, words, intervals, queries, rules, values };
+    let work = Prepared { layout, words, intervals, rules, task };
     match backend {
         Backend::Scalar => return false,
         Backend::Avx2 => match Avx2::new() {
@@ -36,6 +54,27 @@ pub(super) fn evaluate(
         },
     }
     true
+}
+
+/// What is to be evaluated; `run` must be inlined.
+trait Task {
+    fn run<L: Lanes>(self, shared: Shared<'_, L>);
+}
+
+struct Prepared<'a, T> {
+    layout: &'a Layout,
+    words: Words<'a>,
+    intervals: Words<'a>,
+    rules: Rules,
+    task: T,
+}
+
+impl<T: Task> Work for Prepared<'_, T> {
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        let Self { layout, words, intervals, rules, task } = self;
+        task.run(Shared { lanes, layout, words, intervals, rules });
+    }
 }
 
 /// For each interval of beta where it begins, and 1 over its length, as bits.
@@ -55,20 +94,14 @@ fn intervals(layout: &Layout) -> Vec<u32> {
 }
 
 struct Queries<'a> {
-    btf: &'a Btf,
-    words: Words<'a>,
-    intervals: Words<'a>,
     queries: &'a [Query],
-    rules: Rules,
     values: &'a mut [Vec3],
 }
 
-impl Work for Queries<'_> {
+impl Task for Queries<'_> {
     #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) {
-        let layout = self.btf.layout();
-        let (words, intervals, rules) = (self.words, self.intervals, self.rules);
-        let shared = Shared { lanes, layout, words, intervals, rules };
+    fn run<L: Lanes>(self, shared: Shared<'_, L>) {
+        let Shared { lanes, layout, .. } = shared;
         let mut texel = [0; MOST];
         let mut angles = [[0.0; MOST]; 4];
         let mut result = [[0.0; MOST]; 3];
@@ -90,6 +123,42 @@ impl Work for Queries<'_> {
             let above = theta_i.at_most(horizon) & theta_v.at_most(horizon);
             for (channel, to) in shared.value(&slices, &light).into_iter().zip(&mut result) {
                 lanes.store(channel.select(above, lanes.float(0.0)), to);
+            }
+            for (lane, value) in values.iter_mut().enumerate() {
+                *value = Vec3::new(result[0][lane], result[1][lane], result[2][lane]);
+            }
+        }
+    }
+}
+
+struct Lights<'a> {
+    slices: &'a ViewSlices,
+    lights: &'a [SliceAngles],
+    values: &'a mut [Vec3],
+}
+
+impl Task for Lights<'_> {
+    #[inline(always)]
+    fn run<L: Lanes>(self, shared: Shared<'_, L>) {
+        let lanes = shared.lanes;
+        let slices = Slices {
+            luminances: self.slices.luminances.map(|row| lanes.int(row)),
+            chromas: self.slices.chromas.map(|row| lanes.int(row)),
+            weights: self.slices.weights.map(|weight| lanes.float(weight)),
+        };
+        let mut angles = [[0.0; MOST]; 3];
+        let mut result = [[0.0; MOST]; 3];
+        for (lights, values) in self.lights.chunks(L::COUNT).zip(self.values.chunks_mut(L::COUNT)) {
+            // Lanes without a light keep an older one.
+            for (lane, light) in lights.iter().enumerate() {
+                angles[0][lane] = light.alpha;
+                angles[1][lane] = light.beta;
+                angles[2][lane] = light.sin_beta;
+            }
+            let [alpha, beta, sin_beta] = angles.each_ref().map(|a| lanes.load(a));
+            let light = shared.light(alpha, beta, sin_beta);
+            for (channel, to) in shared.value(&slices, &light).into_iter().zip(&mut result) {
+                lanes.store(channel, to);
             }
             for (lane, value) in values.iter_mut().enumerate() {
                 *value = Vec3::new(result[0][lane], result[1][lane], result[2][lane]);
