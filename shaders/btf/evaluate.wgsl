@@ -1,6 +1,7 @@
 // Values of a material: the twin of plugins/btf/codec/src/evaluate/scalar.rs.
 //
-// What depends on the view is found once by `view_slices`, for any number of lights.
+// What depends on the view is found once by `view_slices`, for any number of lights. A layout comes
+// best from a uniform; one from a storage buffer is copied into a variable before a loop over lights.
 //
 // Definitions: BTF_GROUP and BTF_TABLES (tables.wgsl), and the rules of the specification:
 // BTF_HALF_END_SLOPE, BTF_GUARD_BETA_POLE, BTF_LINEAR. Shading sets BTF_LINEAR alone.

@@ -5,7 +5,8 @@
 //! Without materials: those of the folder in `FARLIGHT_TEST_DATA`, those that the suite ships, or a
 //! Lambertian one.
 //!
-//! - `--rounds N` (default 9): each figure is the median of so many runs.
+//! - `--rounds N` (default 9): each figure is the median of so many runs or, with `--fastest` for a
+//!   busy machine, the minimum.
 //! - `--count N` (default 262144): evaluations in a run.
 //! - `--json FILE`: the same figures for programs.
 
@@ -36,12 +37,14 @@ struct Row {
 struct Options {
     materials: Vec<PathBuf>,
     rounds: usize,
+    fastest: bool,
     count: usize,
     json: Option<PathBuf>,
 }
 
 fn options() -> Result<Options, String> {
-    let mut options = Options { materials: Vec::new(), rounds: 9, count: 1 << 18, json: None };
+    let mut options =
+        Options { materials: Vec::new(), rounds: 9, fastest: false, count: 1 << 18, json: None };
     let mut args = std::env::args().skip(1);
     while let Some(arg) = args.next() {
         let mut value = || args.next().ok_or(format!("{arg} needs a value"));
@@ -50,6 +53,7 @@ fn options() -> Result<Options, String> {
             "--bench" => {} // cargo's own
             "--rounds" => options.rounds = number(value()?)?,
             "--count" => options.count = number(value()?)?,
+            "--fastest" => options.fastest = true,
             "--json" => options.json = Some(value()?.into()),
             _ if arg.starts_with('-') => return Err(format!("unknown argument {arg}")),
             _ => options.materials.push(arg.into()),
@@ -142,9 +146,9 @@ fn lights(count: usize) -> Vec<Vec3> {
 }
 
 /// Nanoseconds an evaluation of the scalar evaluator.
-fn on_the_processor(btf: &Btf, queries: &[Query], rounds: usize) -> f64 {
+fn on_the_processor(btf: &Btf, queries: &[Query], options: &Options) -> f64 {
     let queries = &queries[..queries.len().min(1 << 14)];
-    let mut times: Vec<f64> = (0..rounds.max(1))
+    let mut times: Vec<f64> = (0..options.rounds.max(1))
         .map(|_| {
             let start = Instant::now();
             for query in queries {
@@ -155,7 +159,7 @@ fn on_the_processor(btf: &Btf, queries: &[Query], rounds: usize) -> f64 {
         })
         .collect();
     times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
+    times[if options.fastest { 0 } else { times.len() / 2 }]
 }
 
 fn measure(gpu: &Gpu, btf: &Btf, options: &Options) -> Result<Vec<Row>, String> {
@@ -166,7 +170,7 @@ fn measure(gpu: &Gpu, btf: &Btf, options: &Options) -> Result<Vec<Row>, String> 
         ("raster", raster_order(size, options.count)),
     ];
     for (order, queries) in &orders {
-        let cpu_nanoseconds = on_the_processor(btf, queries, options.rounds);
+        let cpu_nanoseconds = on_the_processor(btf, queries, options);
         for count in [None, Some(1), Some(5), Some(16)] {
             let evaluator = match count {
                 None => GpuEvaluator::new(gpu, btf, Rules::SHADING),
@@ -174,6 +178,8 @@ fn measure(gpu: &Gpu, btf: &Btf, options: &Options) -> Result<Vec<Row>, String> 
             };
             let timing = evaluator.and_then(|evaluator| evaluator.time(queries, options.rounds));
             let timing = timing.map_err(|error| error.to_string())?;
+            let time = if options.fastest { timing.shortest } else { timing.median };
+            let evaluations = timing.queries * count.unwrap_or(1);
             let row = Row {
                 material: btf.info().name.clone(),
                 texels: size,
@@ -181,7 +187,7 @@ fn measure(gpu: &Gpu, btf: &Btf, options: &Options) -> Result<Vec<Row>, String> 
                 order,
                 lights: count,
                 adapter: gpu.adapter().to_owned(),
-                gpu_nanoseconds: timing.nanoseconds() / count.unwrap_or(1) as f64,
+                gpu_nanoseconds: time.as_secs_f64() * 1e9 / evaluations as f64,
                 cpu_nanoseconds,
             };
             let what = match count {

@@ -31,11 +31,6 @@ impl Timing {
         times.sort();
         Self { median: times[times.len() / 2], shortest: times[0], queries, clock }
     }
-
-    /// Nanoseconds a query, by the median.
-    pub fn nanoseconds(&self) -> f64 {
-        self.median.as_secs_f64() * 1e9 / self.queries as f64
-    }
 }
 
 impl GpuEvaluator {
