@@ -6,7 +6,7 @@ use crate::{Failure, environment, process, reference, soak};
 
 pub(crate) const HELP: &str = "\
 cargo xtask bench [tracing] [--no-install] [-- OPTIONS]
-cargo xtask bench btf [--json FILE] [--no-install] [-- OPTIONS]
+cargo xtask bench btf [--gpu] [--json FILE] [--no-install] [-- OPTIONS]
 cargo xtask bench reference [--samples N] [--no-install]
 cargo xtask bench soak [server | demo] [--minutes N | --seconds N] [--no-install]
 
@@ -17,6 +17,8 @@ cargo xtask bench soak [server | demo] [--minutes N | --seconds N] [--no-install
                  random and in raster order, for the suite's own materials and those in the folder
                  that FARLIGHT_TEST_DATA names; with --fastest after -- the quickest of all rounds
                  counts, for a busy machine
+  btf --gpu      nanoseconds a value in a compute kernel, for views under one and more lights, beside
+                 one core
   reference      bakes two scenes and compares irradiance, probes and visibility with those of an
                  independent renderer, in the folder that FARLIGHT_TEST_DATA names
   soak server    runs `farlight serve` and clients that come, get light, leave in every way, come back
@@ -48,12 +50,21 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
             process::run(&mut cargo)
         }
         Some("btf") => {
+            let gpu = args.flag("--gpu");
             let json = args.value("--json")?;
             let rest = args.finish()?;
-            setup::prepare(&[Purpose::Build], install);
+            let purposes = [Purpose::Build, Purpose::Render];
+            setup::prepare(&purposes[..if gpu { 2 } else { 1 }], install);
             println!("{}", environment::test_data_line());
             let mut cargo = process::cargo();
-            cargo.args(["bench", "-p", "farlight_btf_codec", "--bench", "evaluate", "--"]);
+            if gpu {
+                // The driver's work is measured, which the profile does not change.
+                cargo.args(["bench", "--profile", "dev", "-p", "farlight_btf_codec"]);
+                cargo.args(["--features", "gpu", "--bench", "gpu", "--"]);
+                environment::for_headless(&mut cargo);
+            } else {
+                cargo.args(["bench", "-p", "farlight_btf_codec", "--bench", "evaluate", "--"]);
+            }
             if let Some(file) = json {
                 // The benchmark runs in the folder of its package.
                 let file = std::path::absolute(&file).map_err(|e| format!("{file}: {e}"))?;

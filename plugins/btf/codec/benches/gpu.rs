@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use farlight_btf_codec::gpu::{Clock, Gpu, GpuEvaluator, Query};
-use farlight_btf_codec::{Angles, Btf, Rules, synthetic};
+use farlight_btf_codec::gpu::{Clock, Gpu, GpuEvaluator};
+use farlight_btf_codec::{Angles, Btf, Query, Rules, synthetic};
 use glam::Vec3;
 use serde::Serialize;
 

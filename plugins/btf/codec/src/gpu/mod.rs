@@ -11,23 +11,12 @@ mod timing;
 use glam::Vec3;
 use wgpu::util::DeviceExt;
 
-use crate::{Angles, Btf, Rules};
+use crate::{Angles, Btf, Query, Rules};
 
 pub use device::Gpu;
 pub use error::GpuError;
 use kernel::{Kernel, Resident};
 pub use timing::{Clock, Timing};
-
-/// One value to find: a texel and two directions.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Query {
-    /// Column of the texel; wraps round.
-    pub x: i32,
-    /// Row of the texel; wraps round.
-    pub y: i32,
-    /// Directions of light and view.
-    pub angles: Angles,
-}
 
 /// [`Query`] as the shader reads it.
 #[repr(C)]

@@ -1,7 +1,7 @@
 use glam::Vec3;
 
-use super::{Gpu, GpuError, GpuEvaluator, Query};
-use crate::{Angles, Rules, SliceAngles, synthetic};
+use super::{Gpu, GpuError, GpuEvaluator};
+use crate::{Angles, Query, Rules, SliceAngles, synthetic};
 
 fn gpu() -> Option<Gpu> {
     Gpu::new().map_err(|error| println!("SKIPPED: {error}")).ok()

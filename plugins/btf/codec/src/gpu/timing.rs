@@ -2,7 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use super::{GpuError, GpuEvaluator, Query};
+use super::{GpuError, GpuEvaluator};
+use crate::Query;
 
 /// What tells the time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,8 @@
 //! Materials of random numbers, with sample counts that measured ones do not have.
 
-use farlight_btf_codec::gpu::Query;
-use farlight_btf_codec::{Angles, Btf, ColourSpace, Info, References, Samples, Scaled, Tables};
+use farlight_btf_codec::{
+    Angles, Btf, ColourSpace, Info, Query, References, Samples, Scaled, Tables,
+};
 
 /// SplitMix64 (Steele, Lea, Flood 2014).
 pub(crate) struct Random(pub u64);

@@ -6,8 +6,8 @@ mod twins;
 
 use std::path::{Path, PathBuf};
 
-use farlight_btf_codec::gpu::{Gpu, GpuEvaluator, Query};
-use farlight_btf_codec::{Angles, Btf, Rules, read};
+use farlight_btf_codec::gpu::{Gpu, GpuEvaluator};
+use farlight_btf_codec::{Angles, Btf, Query, Rules, read};
 use glam::Vec3;
 
 fn gpu() -> Option<Gpu> {

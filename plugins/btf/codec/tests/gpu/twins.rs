@@ -1,7 +1,7 @@
 //! The shader against its specification, [`Btf::evaluate`].
 
-use farlight_btf_codec::gpu::{Gpu, GpuEvaluator, Query};
-use farlight_btf_codec::{Angles, Btf, ColourSpace, Rules, SliceAngles};
+use farlight_btf_codec::gpu::{Gpu, GpuEvaluator};
+use farlight_btf_codec::{Angles, Btf, ColourSpace, Query, Rules, SliceAngles};
 use glam::Vec3;
 
 use crate::made::{Counts, made, queries};
