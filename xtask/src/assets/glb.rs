@@ -136,6 +136,71 @@ fn floats(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|v| v.to_le_bytes()).collect()
 }
 
+/// What a surface of a model is made of.
+#[derive(Clone, Copy)]
+pub(super) enum Look {
+    /// The measured material goes here; without one it is plain cloth. Named `btf`.
+    Btf,
+    /// Black glass. Named `bead`.
+    Bead,
+    /// Dark wood. Named `form`.
+    Form,
+}
+
+/// A primitive of a model, as the file holds it.
+pub(super) struct Surface {
+    pub(super) look: Look,
+    pub(super) positions: Vec<[f32; 3]>,
+    pub(super) normals: Vec<[f32; 3]>,
+    pub(super) tangents: Vec<[f32; 4]>,
+    pub(super) uvs: Vec<[f32; 2]>,
+    pub(super) triangles: Vec<[u32; 3]>,
+}
+
+/// A model: one node and mesh with a primitive a surface, tangents and one UV set.
+pub(super) fn write_surfaces(name: &str, surfaces: &[Surface]) -> Vec<u8> {
+    let mut file = Writer::default();
+    let mut primitives = Vec::new();
+    for surface in surfaces {
+        let vertices = surface.positions.len();
+        assert!(vertices < 1 << 16, "indices have 16 bits");
+        let bounds = bounds(&surface.positions);
+        let position =
+            file.accessor(floats(surface.positions.as_flattened()), F32, vertices, "VEC3", &bounds);
+        let normal =
+            file.accessor(floats(surface.normals.as_flattened()), F32, vertices, "VEC3", "");
+        let tangent =
+            file.accessor(floats(surface.tangents.as_flattened()), F32, vertices, "VEC4", "");
+        let uv = file.accessor(floats(surface.uvs.as_flattened()), F32, vertices, "VEC2", "");
+        let indices = surface.triangles.as_flattened();
+        let bytes = indices.iter().flat_map(|&i| (i as u16).to_le_bytes()).collect();
+        let index = file.accessor(bytes, U16, indices.len(), "SCALAR", "");
+        primitives.push(format!(
+            r#"{{"attributes":{{"POSITION":{position},"NORMAL":{normal},"TANGENT":{tangent},"TEXCOORD_0":{uv}}},"indices":{index},"material":{}}}"#,
+            surface.look as usize
+        ));
+    }
+    let materials = [
+        material(&Material { name: "btf", color: [0.6, 0.55, 0.48], image: None, roughness: 0.8 }),
+        material(&Material { name: "bead", color: [0.01; 3], image: None, roughness: 0.18 }),
+        material(&Material {
+            name: "form",
+            color: [0.05, 0.04, 0.035],
+            image: None,
+            roughness: 0.9,
+        }),
+    ];
+    let json = format!(
+        r#"{{"asset":{{"version":"2.0","generator":"cargo xtask assets"}},"scene":0,"scenes":[{{"name":"{name}","nodes":[0]}}],"nodes":[{{"name":"{name}","mesh":0}}],"meshes":[{{"name":"{name}","primitives":[{}]}}],"materials":[{}],"accessors":[{}],"bufferViews":[{}],"buffers":[{{"byteLength":{}}}]}}"#,
+        primitives.join(","),
+        materials.join(","),
+        file.accessors.join(","),
+        file.views.join(","),
+        file.bytes.len()
+    );
+    pack(json.into_bytes(), file.bytes)
+}
+
 /// Header, JSON chunk, binary chunk.
 fn pack(mut json: Vec<u8>, mut bytes: Vec<u8>) -> Vec<u8> {
     json.resize(json.len().next_multiple_of(4), b' ');

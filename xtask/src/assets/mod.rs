@@ -1,8 +1,10 @@
 //! `cargo xtask assets`: what stands in assets/ is made here, byte for byte.
 
 mod doorway;
+mod environments;
 mod furniture;
 mod glb;
+mod models;
 mod pack;
 mod part;
 mod png;
@@ -17,42 +19,57 @@ use crate::args::Args;
 pub(crate) const HELP: &str = "\
 cargo xtask assets [--check]
 
-Writes assets/scenes/doorway.glb. With --check it writes nothing and fails if the file differs.
+Writes what this project makes itself: assets/scenes/doorway.glb, the models in assets/models/ and
+the environments in assets/environments/. With --check it writes nothing and fails if a file differs.
 ";
 
 /// Runs the command.
 pub(crate) fn run(mut args: Args) -> Result<(), String> {
     let check = args.flag("--check");
     args.finish()?;
-    let path = doorway_path();
-    let bytes = doorway::glb();
-    if check {
-        return match std::fs::read(&path) {
-            Ok(found) if found == bytes => Ok(()),
-            Ok(_) => Err(format!("{} differs: run `cargo xtask assets`", path.display())),
-            Err(error) => Err(format!("{}: {error}", path.display())),
-        };
+    for (path, bytes) in all() {
+        if check {
+            match std::fs::read(&path) {
+                Ok(found) if found == bytes => continue,
+                Ok(_) => {
+                    return Err(format!("{} differs: run `cargo xtask assets`", path.display()));
+                }
+                Err(error) => return Err(format!("{}: {error}", path.display())),
+            }
+        }
+        let folder = path.parent().unwrap_or(Path::new("."));
+        std::fs::create_dir_all(folder)
+            .and_then(|()| std::fs::write(&path, &bytes))
+            .map_err(|error| format!("{}: {error}", path.display()))?;
+        println!("wrote {} ({} bytes)", path.display(), bytes.len());
     }
-    let folder = path.parent().unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder)
-        .and_then(|()| std::fs::write(&path, &bytes))
-        .map_err(|error| format!("{}: {error}", path.display()))?;
-    println!("wrote {} ({} bytes)", path.display(), bytes.len());
     Ok(())
 }
 
-fn doorway_path() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/scenes/doorway.glb")
+/// Every file: where it lies and what is in it.
+fn all() -> Vec<(PathBuf, Vec<u8>)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
+    let mut files = vec![(folder.join("scenes/doorway.glb"), doorway::glb())];
+    let below = |name: &'static str| {
+        let folder = folder.join(name);
+        move |(file, bytes): (&str, Vec<u8>)| (folder.join(file), bytes)
+    };
+    files.extend(models::all().into_iter().map(below("models")));
+    files.extend(environments::all().into_iter().map(below("environments")));
+    files
 }
 
 #[cfg(test)]
 mod tests {
     #[test]
-    fn the_committed_scene_is_what_the_generator_makes() {
-        let found = std::fs::read(super::doorway_path()).expect("assets/scenes/doorway.glb");
-        assert!(
-            found == super::doorway::glb(),
-            "assets/scenes/doorway.glb differs from its generator: run `cargo xtask assets`"
-        );
+    fn the_committed_files_are_what_the_generators_make() {
+        for (path, bytes) in super::all() {
+            let found = std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+            assert!(
+                found == bytes,
+                "{} differs from its generator: run `cargo xtask assets`",
+                path.display()
+            );
+        }
     }
 }

@@ -207,7 +207,7 @@ fn grid(v: f64) -> f32 {
     grid_f32(v, 8192.0)
 }
 
-fn grid_f32(v: f64, steps: f64) -> f32 {
+pub(super) fn grid_f32(v: f64, steps: f64) -> f32 {
     // The sum turns -0 into 0.
     ((v * steps).round() / steps + 0.0) as f32
 }
@@ -229,19 +229,19 @@ pub(super) fn scale(a: P, s: f64) -> P {
     a.map(|v| v * s)
 }
 
-fn dot(a: P, b: P) -> f64 {
+pub(super) fn dot(a: P, b: P) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn cross(a: P, b: P) -> P {
+pub(super) fn cross(a: P, b: P) -> P {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-fn normalize(a: P) -> P {
+pub(super) fn normalize(a: P) -> P {
     scale(a, 1.0 / dot(a, a).sqrt().max(1e-12))
 }
 
-fn distance(a: P, b: P) -> f64 {
+pub(super) fn distance(a: P, b: P) -> f64 {
     let d = sub(a, b);
     dot(d, d).sqrt()
 }
