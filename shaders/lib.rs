@@ -47,4 +47,8 @@ pub const MODULES: &[Module] = &modules![
     pure "btf/evaluate.wgsl",
     pure "btf/evaluate_points.wgsl",
     pure "btf/evaluate_lights.wgsl",
+    engine "lighting/surface.wgsl",
+    engine "lighting/lights.wgsl",
+    engine "lighting/shadow_maps.wgsl",
+    engine "lighting/standard.wgsl",
 ];

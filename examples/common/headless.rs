@@ -69,19 +69,22 @@ impl Headless {
         configure: impl FnOnce(&mut App),
     ) -> Result<Self, String> {
         let mut app = App::new();
-        app.add_plugins(
-            DefaultPlugins
-                .set(WindowPlugin {
-                    primary_window: None,
-                    exit_condition: ExitCondition::DontExit,
-                    ..default()
-                })
-                .set(RenderPlugin { synchronous_pipeline_compilation: true, ..default() })
-                .set(AssetPlugin { file_path: assets.display().to_string(), ..default() })
-                .disable::<WinitPlugin>()
-                .disable::<PipelinedRenderingPlugin>()
-                .disable::<LogPlugin>(),
-        );
+        let mut plugins = DefaultPlugins
+            .build()
+            .set(WindowPlugin {
+                primary_window: None,
+                exit_condition: ExitCondition::DontExit,
+                ..default()
+            })
+            .set(RenderPlugin { synchronous_pipeline_compilation: true, ..default() })
+            .set(AssetPlugin { file_path: assets.display().to_string(), ..default() })
+            .disable::<WinitPlugin>()
+            .disable::<PipelinedRenderingPlugin>();
+        // A process has one log, whereas tests have many apps: for a look at a single one.
+        if std::env::var_os("FARLIGHT_LOG").is_none() {
+            plugins = plugins.disable::<LogPlugin>();
+        }
+        app.add_plugins(plugins);
         let image = Image::new_target_texture(size.x, size.y, TextureFormat::Rgba8UnormSrgb, None);
         let target = app.world_mut().resource_mut::<Assets<Image>>().add(image);
         app.insert_resource(HeadlessTarget(target.clone()))

@@ -63,6 +63,35 @@ pub fn assert_matches(picture: &Picture, name: &str, limits: Limits, adapter: &s
     }
 }
 
+/// FLIP of each pixel of two pictures.
+pub struct Difference(Vec<f32>);
+
+impl Difference {
+    /// Mean over all pixels.
+    pub fn mean(&self) -> f32 {
+        mean(&self.0)
+    }
+
+    /// The value that `fraction` of the pixels do not exceed.
+    pub fn percentile(&self, fraction: f32) -> f32 {
+        percentile(&self.0, fraction)
+    }
+}
+
+/// How different two pictures of the same size are.
+///
+/// # Panics
+/// If their sizes differ.
+pub fn between(expected: &Picture, actual: &Picture) -> Difference {
+    assert_eq!((expected.width, expected.height), (actual.width, actual.height));
+    let expected = image::RgbImage::from_raw(
+        expected.width,
+        expected.height,
+        expected.pixels.as_flattened().to_vec(),
+    );
+    Difference(difference(&expected.expect("three bytes a pixel"), actual).1)
+}
+
 fn reference_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/references").join(format!("{name}.png"))
 }
