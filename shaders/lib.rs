@@ -51,4 +51,9 @@ pub const MODULES: &[Module] = &modules![
     engine "lighting/lights.wgsl",
     engine "lighting/shadow_maps.wgsl",
     engine "lighting/standard.wgsl",
+    engine "lighting/frame.wgsl",
+    engine "lighting/indirect.wgsl",
+    engine "btf/bindings.wgsl",
+    engine "btf/taps.wgsl",
+    engine "btf/material.wgsl",
 ];

@@ -1,8 +1,29 @@
 //! What a mesh with a measured material carries.
 
-use bevy::{asset::Asset, math::Vec2, prelude::*, reflect::TypePath};
+use bevy::{
+    asset::Asset,
+    ecs::system::{SystemParamItem, lifetimeless::SRes},
+    math::Vec2,
+    mesh::MeshVertexBufferLayoutRef,
+    pbr::{MATERIAL_BIND_GROUP_INDEX, Material, MaterialPipeline, MaterialPipelineKey},
+    prelude::*,
+    reflect::TypePath,
+    render::{
+        render_resource::{
+            AsBindGroup, AsBindGroupError, BindGroupLayout, BindGroupLayoutEntry, BindingResources,
+            BindingType, BufferBindingType, OwnedBindingResource, RenderPipelineDescriptor,
+            ShaderStages, SpecializedMeshPipelineError, UnpreparedBindGroup,
+        },
+        renderer::RenderDevice,
+    },
+    shader::{ShaderDefVal, ShaderRef},
+};
+use farlight_core::shader_path;
 
-use crate::BtfAsset;
+use crate::{
+    BtfAsset,
+    tables::{BtfTables, ENTRIES_BINDING, TABLES_BINDING, storage_is_usable},
+};
 
 /// How texels are joined to a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
@@ -16,6 +37,10 @@ pub enum BtfFilter {
 
 /// A measured material on a mesh. The mesh needs normals and a first UV set; tangents are taken
 /// from the mesh or derived from the UVs.
+///
+/// A value of the material is light already: radiance is E / pi times the value in linear light,
+/// for an irradiance E of a surface that faces the light. The view's azimuth 0 is where u grows,
+/// 90 degrees where v falls (up the picture). Nothing is seen until the file is loaded.
 #[derive(Asset, TypePath, Clone, Debug)]
 pub struct BtfMaterial {
     /// The measured data.
@@ -26,11 +51,93 @@ pub struct BtfMaterial {
     pub gain: f32,
     /// How texels are joined.
     pub filter: BtfFilter,
+    /// Whether the backs of triangles are seen too, as the same material.
+    pub double_sided: bool,
 }
 
 impl BtfMaterial {
     /// As measured, once over the UV square.
     pub fn new(btf: Handle<BtfAsset>) -> Self {
-        Self { btf, repeat: Vec2::ONE, gain: 1.0, filter: BtfFilter::default() }
+        Self {
+            btf,
+            repeat: Vec2::ONE,
+            gain: 1.0,
+            filter: BtfFilter::default(),
+            double_sided: false,
+        }
+    }
+}
+
+/// What makes another pipeline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct BtfMaterialKey {
+    double_sided: bool,
+}
+
+/// Bindings of a group of its own for each material, which nothing is drawn with:
+/// `bind_groups.rs` gives materials of one buffer one group.
+impl AsBindGroup for BtfMaterial {
+    type Data = BtfMaterialKey;
+    type Param = SRes<BtfTables>;
+
+    fn label() -> &'static str {
+        "farlight_btf_material"
+    }
+
+    fn bind_group_data(&self) -> Self::Data {
+        BtfMaterialKey { double_sided: self.double_sided }
+    }
+
+    fn unprepared_bind_group(
+        &self,
+        _layout: &BindGroupLayout,
+        _device: &RenderDevice,
+        tables: &mut SystemParamItem<'_, '_, Self::Param>,
+        _force_no_bindless: bool,
+    ) -> Result<UnpreparedBindGroup, AsBindGroupError> {
+        let bindings = tables.placeholder(self).ok_or(AsBindGroupError::RetryNextUpdate)?;
+        let bindings: Vec<(u32, OwnedBindingResource)> = bindings;
+        Ok(UnpreparedBindGroup { bindings: BindingResources(bindings) })
+    }
+
+    fn bind_group_layout_entries(device: &RenderDevice, _: bool) -> Vec<BindGroupLayoutEntry> {
+        let entry = |binding, ty| BindGroupLayoutEntry {
+            binding,
+            visibility: ShaderStages::FRAGMENT,
+            ty: BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+            count: None,
+        };
+        if storage_is_usable(device) {
+            let storage = BufferBindingType::Storage { read_only: true };
+            vec![entry(TABLES_BINDING, storage), entry(ENTRIES_BINDING, storage)]
+        } else {
+            vec![entry(0, BufferBindingType::Uniform)]
+        }
+    }
+}
+
+impl Material for BtfMaterial {
+    fn fragment_shader() -> ShaderRef {
+        ShaderRef::Path(shader_path("btf/material.wgsl").into())
+    }
+
+    fn specialize(
+        _pipeline: &MaterialPipeline,
+        descriptor: &mut RenderPipelineDescriptor,
+        _layout: &MeshVertexBufferLayoutRef,
+        key: MaterialPipelineKey<Self>,
+    ) -> Result<(), SpecializedMeshPipelineError> {
+        if key.bind_group_data.double_sided {
+            descriptor.primitive.cull_mode = None;
+        }
+        if let Some(fragment) = &mut descriptor.fragment {
+            let number = |name: &str, value: u32| ShaderDefVal::UInt(name.into(), value);
+            fragment.shader_defs.extend([
+                number("BTF_GROUP", MATERIAL_BIND_GROUP_INDEX as u32),
+                number("BTF_TABLES", TABLES_BINDING),
+                "BTF_LINEAR".into(),
+            ]);
+        }
+        Ok(())
     }
 }

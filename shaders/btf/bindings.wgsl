@@ -1,0 +1,35 @@
+// The materials that share one buffer of tables: the twin of plugins/btf/src/entry.rs.
+
+#define_import_path farlight::btf::bindings
+
+#import farlight::btf::layout::Layout
+
+// Bits of `flags`.
+const NEAREST: u32 = 1u;
+
+struct Entry {
+    btf: Layout,
+    repeat: vec2<f32>,
+    gain: f32,
+    flags: u32,
+    // Tables of texels at half, quarter, .. size, one after the other: first word, ...
+    coarse_offset: u32,
+    // ... how many, ...
+    coarse_count: u32,
+    // ... and the factors in them; indices have as many bits as those of the texels.
+    coarse_min: f32,
+    coarse_step: f32,
+    environment_directions: u32,
+    albedo_directions: u32,
+    mean_red: f32,
+    mean_green: f32,
+    mean_blue: f32,
+    reserved: u32,
+}
+
+#if AVAILABLE_STORAGE_BUFFER_BINDINGS >= 8
+@group(#{MATERIAL_BIND_GROUP}) @binding(1) var<storage, read> btf_entries: array<Entry>;
+#else
+// Without room for storage buffers: the mean colour under diffuse light, and the gain.
+@group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> btf_mean: vec4<f32>;
+#endif

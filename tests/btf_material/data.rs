@@ -1,0 +1,1 @@
+//! Files, buffers and devices.

@@ -1,0 +1,1 @@
+//! Shadows, fog and everything else of a scene.
