@@ -1,11 +1,6 @@
 //! `farlight bake`: the path tracer's answer at given points.
 
-use std::{
-    io::IsTerminal,
-    ops::ControlFlow,
-    path::PathBuf,
-    time::{Duration, Instant},
-};
+use std::{ops::ControlFlow, path::PathBuf, time::Instant};
 
 use farlight_gi_solver::{
     World,
@@ -16,9 +11,8 @@ use farlight_gi_solver::{
     scene::{Light, Sky},
 };
 use glam::Vec3;
-use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::{error::CliError, job::Job, output::Output};
+use crate::{error::CliError, job::Job, output::Output, progress};
 
 /// Compute irradiance, probes and visibility at given points of a glTF scene
 ///
@@ -132,7 +126,7 @@ pub(crate) fn run(args: &Args) -> Result<(), CliError> {
 
     let settings = GatherSettings { paths: args.samples, seed: args.seed };
     let gathers = (job.receivers.len() + job.probes.len()) as u64;
-    let bar = progress_bar(gathers * settings.traced());
+    let bar = progress::bar(gathers * settings.traced(), "{human_pos} of {human_len} paths");
     let progress = |paths| {
         bar.inc(paths);
         ControlFlow::Continue(())
@@ -156,21 +150,6 @@ pub(crate) fn run(args: &Args) -> Result<(), CliError> {
         start.elapsed().as_secs_f64()
     );
     Ok(())
-}
-
-/// A bar with the time that is left, on a terminal only.
-fn progress_bar(paths: u64) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(paths);
-    if let Ok(style) = ProgressStyle::with_template(
-        "{bar:40} {percent:>3} %  {human_pos} of {human_len} paths  {eta} left",
-    ) {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
 }
 
 #[cfg(test)]

@@ -1,10 +1,12 @@
 //! The `farlight` command: everything of the suite that needs no game.
 
 mod bake;
+mod btf;
 mod check;
 mod error;
 mod job;
 mod output;
+mod progress;
 mod serve;
 
 use std::process::ExitCode;
@@ -26,6 +28,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Bake(bake::Args),
+    Btf(btf::Args),
     Check(check::Args),
     Serve(serve::Args),
 }
@@ -33,6 +36,7 @@ enum Command {
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Bake(args) => bake::run(&args),
+        Command::Btf(args) => btf::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Serve(args) => serve::run(&args),
     };

@@ -1,4 +1,4 @@
-//! The result file.
+//! Result files.
 
 use std::{
     fs,
@@ -78,30 +78,74 @@ impl Output {
 
     /// Finds out whether [`write`](Self::write) will be able to, before hours of work.
     pub(crate) fn check_writable(path: &Path) -> Result<(), CliError> {
+        WholeFile::create(path).map(drop)
+    }
+
+    /// Writes the file whole or not at all.
+    pub(crate) fn write(&self, path: &Path) -> Result<(), CliError> {
+        let mut file = WholeFile::create(path)?;
+        serde_json::to_writer(&mut file, self)
+            .map_err(std::io::Error::from)
+            .and_then(|()| file.write_all(b"\n"))
+            .map_err(|error| CliError::io(path, "written", &error))?;
+        file.finish()
+    }
+}
+
+/// A file that appears whole or not at all: it is written beside its place and then renamed.
+pub(crate) struct WholeFile {
+    path: PathBuf,
+    part: PathBuf,
+    /// None once it is finished.
+    file: Option<BufWriter<fs::File>>,
+}
+
+impl WholeFile {
+    /// Begins to write.
+    pub(crate) fn create(path: &Path) -> Result<Self, CliError> {
         if path.is_dir() {
             return Err(CliError::new(format!("{}: is a folder", path.display())));
         }
+        if path.exists() && !path.is_file() {
+            return Err(CliError::new(format!("{}: is not a file", path.display())));
+        }
         let part = part_of(path)?;
-        fs::File::create(&part)
-            .and_then(|_| fs::remove_file(&part))
-            .map_err(|error| CliError::io(path, "written", &error))
+        let file =
+            fs::File::create(&part).map_err(|error| CliError::io(path, "written", &error))?;
+        Ok(Self { path: path.to_owned(), part, file: Some(BufWriter::new(file)) })
     }
 
-    /// Writes the file whole or not at all: into a file beside it that is then renamed.
-    pub(crate) fn write(&self, path: &Path) -> Result<(), CliError> {
-        let part = part_of(path)?;
-        let written = (|| {
-            let mut file = BufWriter::new(fs::File::create(&part)?);
-            serde_json::to_writer(&mut file, self)?;
-            file.write_all(b"\n")?;
-            file.into_inner().map_err(std::io::IntoInnerError::into_error)?.sync_all()?;
-            fs::rename(&part, path)
-        })();
-        written.map_err(|error: std::io::Error| {
+    /// Puts the file in its place.
+    pub(crate) fn finish(mut self) -> Result<(), CliError> {
+        let Some(file) = self.file.take() else { return Ok(()) };
+        let written = file
+            .into_inner()
+            .map_err(std::io::IntoInnerError::into_error)
+            .and_then(|file| file.sync_all())
+            .and_then(|()| fs::rename(&self.part, &self.path));
+        written.map_err(|error| {
             // Best effort: the error that matters is the first one.
-            let _ = fs::remove_file(&part);
-            CliError::io(path, "written", &error)
+            let _ = fs::remove_file(&self.part);
+            CliError::io(&self.path, "written", &error)
         })
+    }
+}
+
+impl Write for WholeFile {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.file.as_mut().map_or(Ok(0), |file| file.write(bytes))
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.file.as_mut().map_or(Ok(()), Write::flush)
+    }
+}
+
+impl Drop for WholeFile {
+    fn drop(&mut self) {
+        if self.file.take().is_some() {
+            let _ = fs::remove_file(&self.part);
+        }
     }
 }
 

@@ -36,6 +36,7 @@ mod evaluate;
 mod file;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+mod images;
 mod info;
 mod layout;
 mod material;
@@ -51,6 +52,7 @@ pub use angles::{Angles, Cell, SliceAngles};
 pub use colour::{ColourSpace, linear, srgb_encode};
 pub use error::BtfError;
 pub use evaluate::{Backend, Query, Rules, ViewSlices};
+pub use images::{ImageBtf, Picture};
 pub use info::{Certainty, Info, Repair};
 pub use layout::{Coded, Layout, Packed};
 pub use material::{Btf, TableSize};

@@ -1,7 +1,10 @@
 //! Readers of material files.
 
+mod archive;
 mod binary;
 mod description;
+mod folder;
+mod open;
 mod text;
 
 use std::fs::File;
@@ -10,8 +13,11 @@ use std::path::Path;
 
 use crate::BtfError;
 
+pub use archive::read_archive;
 pub use binary::read_binary;
 pub(crate) use binary::{binary_from_bytes, is_binary};
+pub use folder::read_folder;
+pub use open::{Material, open};
 pub use text::read_text;
 
 /// How to read.

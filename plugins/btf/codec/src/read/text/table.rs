@@ -1,61 +1,12 @@
-//! The text form of the BTFbase format: a folder with one file a table.
+//! One table of numbers.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::Options;
-use crate::{Btf, BtfError, ColourSpace, Info, References, Samples, Scaled, Tables};
+use super::text_of;
+use crate::{BtfError, References, Samples, Scaled};
 
 /// More numbers than this in one file are refused: 2^26.
 const LIMIT: usize = 1 << 26;
-
-/// Reads a folder of text tables that holds one material.
-///
-/// # Errors
-///
-/// Files that are missing or damaged, tables that contradict each other, variants of the format
-/// that are not understood.
-pub fn read_text(folder: &Path, _options: &Options) -> Result<Btf, BtfError> {
-    let name = material_name(folder)?;
-    let own = |table: &str| folder.join(format!("{name}_{table}.txt"));
-    let all = |table: &str| folder.join(format!("all_{table}.txt"));
-
-    let texels = scaled(&own("PDF6Dslices"), &own("PDF6Dscale"), 1)?;
-    let columns = texels.columns;
-    let tables = Tables {
-        colour_space: ColourSpace::YCbCr,
-        beta_uniform_in_sine: true,
-        texels,
-        azimuths: scaled(&all("PDF4Dslices"), &all("PDF4Dscale"), 0)?,
-        elevations: scaled(&all("PDF3Dslices"), &all("PDF3Dscale"), 0)?,
-        slices: references(&all("PDF2Dindices"))?,
-        luminances: scaled(&all("PDF2Dslices"), &all("PDF2Dscale"), 0)?,
-        shapes: samples(&all("PDF1Dslice"))?,
-        chromas: references(&all("PDF2Dcolours"))?,
-        colour_rows: references(&all("indexAB"))?,
-        colours: samples(&all("colors"))?,
-    };
-    let info = Info { name, source: "BTFbase, text".to_owned(), ..Info::default() };
-    Btf::new(info, columns, &tables)
-}
-
-/// The part before `_PDF6Dslices.txt`.
-fn material_name(folder: &Path) -> Result<String, BtfError> {
-    let entries = fs::read_dir(folder).map_err(|error| BtfError::io(folder, error))?;
-    let mut names: Vec<String> = entries
-        .flatten()
-        .filter_map(|entry| {
-            let file = entry.file_name().into_string().ok()?;
-            Some(file.strip_suffix("_PDF6Dslices.txt")?.to_owned())
-        })
-        .collect();
-    names.sort();
-    match names.len() {
-        0 => Err(BtfError::format(folder, "no file NAME_PDF6Dslices.txt: not a BTFbase folder")),
-        1 => Ok(names.remove(0)),
-        _ => Err(BtfError::format(folder, format!("several materials: {}", names.join(", ")))),
-    }
-}
 
 /// A table of numbers under its header.
 struct Table<T> {
@@ -67,7 +18,7 @@ struct Table<T> {
 
 impl<T: std::str::FromStr + Copy> Table<T> {
     fn read(path: &Path) -> Result<Self, BtfError> {
-        let text = fs::read_to_string(path).map_err(|error| BtfError::io(path, error))?;
+        let text = text_of(path)?;
         let (header, body) = text.split_once('\n').unwrap_or((&text, ""));
         let wrong = |what: String| BtfError::format(path, what);
         let fields: Vec<&str> = header.split_whitespace().collect();
@@ -104,18 +55,18 @@ impl<T: std::str::FromStr + Copy> Table<T> {
     }
 }
 
-fn samples(path: &Path) -> Result<Samples, BtfError> {
+pub(super) fn samples(path: &Path) -> Result<Samples, BtfError> {
     let table = Table::<f32>::read(path)?;
     Ok(Samples { columns: table.columns, value: table.values, range: Some(table.range) })
 }
 
-fn references(path: &Path) -> Result<References, BtfError> {
+pub(super) fn references(path: &Path) -> Result<References, BtfError> {
     let table = Table::<u32>::read(path)?;
     Ok(References { columns: table.columns, index: table.values })
 }
 
 /// Indices, counted from `first`, and factors.
-fn scaled(indices: &Path, factors: &Path, first: u32) -> Result<Scaled, BtfError> {
+pub(super) fn scaled(indices: &Path, factors: &Path, first: u32) -> Result<Scaled, BtfError> {
     let indices = Table::<u32>::read(indices)?;
     let factors = Table::<f32>::read(factors)?;
     let (columns, other) = (indices.columns, factors.columns);
