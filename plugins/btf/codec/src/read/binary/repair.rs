@@ -21,7 +21,7 @@ use crate::{BtfError, Certainty, Repair};
 /// What stands for a number that was wrapped.
 const GREATEST: u16 = 256;
 /// From this share of a table's half range on, the surroundings speak for themselves.
-const CLEAR: f32 = 0.25;
+const CLEAR: f32 = 0.35;
 
 type Result<T> = std::result::Result<T, BtfError>;
 
