@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 
-use farlight_btf_codec::{Angles, ImageBtf, linear, read, srgb_encode};
+use farlight_btf_codec::{Angles, ImageBtf, Query, linear, read, srgb_encode};
 use image::{ImageFormat, RgbImage};
 use zip::write::SimpleFileOptions;
 
@@ -124,11 +124,11 @@ fn many_values_at_once_are_the_same() {
         .map(|k| {
             let k = f64::from(k);
             let angles = Angles::from_degrees(k * 0.19, k * 7.3, k * 0.17, k * 11.1);
-            (k as i32, 0, angles)
+            Query { x: k as i32, y: 0, angles }
         })
         .collect();
     let all = images.evaluate_all(&queries).unwrap();
-    for ((x, y, angles), found) in queries.into_iter().zip(all) {
+    for (Query { x, y, angles }, found) in queries.into_iter().zip(all) {
         let one = images.evaluate(x, y, angles).unwrap();
         assert!(one.abs_diff_eq(found, 1e-3), "{one} {found}");
     }

@@ -3,10 +3,15 @@
 use std::{path::PathBuf, thread, time::Instant};
 
 use clap::ValueEnum;
-use farlight_btf_codec::{Angles, Btf, ImageBtf, Rules, read::Material};
+use farlight_btf_codec::{
+    Angles, Btf, ImageBtf, Query, Rules,
+    gpu::{Gpu, GpuError, GpuEvaluator},
+    read::Material,
+};
+use glam::Vec3;
 
 use super::Source;
-use super::queries::{COLUMNS, Queries, Query};
+use super::queries::{Asked, COLUMNS, Queries};
 use crate::{error::CliError, output::WholeFile, progress};
 
 /// Evaluate a material for a list of texels and directions
@@ -61,7 +66,7 @@ const CHUNK: usize = 1 << 16;
 /// Answers queries.
 trait Evaluate {
     /// Red, green and blue for each query.
-    fn evaluate(&mut self, queries: &[Query]) -> Result<Vec<[f32; 3]>, CliError>;
+    fn evaluate(&mut self, queries: &[Query]) -> Result<Vec<Vec3>, CliError>;
 }
 
 /// Runs the subcommand.
@@ -73,20 +78,25 @@ pub(crate) fn run(args: &Args) -> Result<(), CliError> {
     let mut evaluator: Box<dyn Evaluate + '_> = match (args.backend, &material) {
         (Backend::Cpu, Material::Tables(btf)) => Box::new(Cpu { btf, rules }),
         (Backend::Cpu, Material::Images(images)) => Box::new(Pictures(images)),
-        (Backend::Gpu, Material::Tables(_)) => {
-            return Err(CliError::new("--backend gpu: this build evaluates on the CPU only"));
+        (Backend::Gpu, Material::Tables(btf)) => {
+            let gpu = Gpu::new().map_err(gpu_trouble)?;
+            Box::new(GpuEvaluator::new(&gpu, btf, rules).map_err(gpu_trouble)?)
         }
         (Backend::Gpu, Material::Images(_)) => {
             return Err(CliError::new("--backend gpu: for compressed tables only; import them"));
         }
     };
-    let count = evaluate_file(args, evaluator.as_mut())?;
+    let count = evaluate_file(args, material.size(), evaluator.as_mut())?;
     println!("{}: {count} values; {:.1} s", args.out.display(), start.elapsed().as_secs_f64());
     Ok(())
 }
 
 /// All queries of the file; returns their number.
-fn evaluate_file(args: &Args, evaluator: &mut dyn Evaluate) -> Result<u64, CliError> {
+fn evaluate_file(
+    args: &Args,
+    size: [u32; 2],
+    evaluator: &mut dyn Evaluate,
+) -> Result<u64, CliError> {
     let mut queries = Queries::open(&args.queries)?;
     let length = std::fs::metadata(&args.queries).map_or(0, |data| data.len());
     let bar = progress::bar(length, "{bytes} of {total_bytes} of queries");
@@ -102,7 +112,7 @@ fn evaluate_file(args: &Args, evaluator: &mut dyn Evaluate) -> Result<u64, CliEr
         while rows.len() < CHUNK
             && let Some(row) = queries.next()?
         {
-            asked.push(row.query);
+            asked.push(resolve(&row.asked, size));
             rows.push(row.fields);
         }
         if rows.is_empty() {
@@ -110,7 +120,7 @@ fn evaluate_file(args: &Args, evaluator: &mut dyn Evaluate) -> Result<u64, CliEr
         }
         let values = evaluator.evaluate(&asked)?;
         for (fields, value) in rows.iter_mut().zip(values) {
-            for channel in value {
+            for channel in value.to_array() {
                 fields.push_field(channel.to_string().as_bytes());
             }
             out.write_byte_record(fields).map_err(written)?;
@@ -126,48 +136,49 @@ fn evaluate_file(args: &Args, evaluator: &mut dyn Evaluate) -> Result<u64, CliEr
     Ok(count)
 }
 
-impl Query {
-    /// The texel, wrapped into `size`, and the directions.
-    fn resolve(&self, size: [u32; 2]) -> (i32, i32, Angles) {
-        let wrap = |at: i64, size: u32| at.rem_euclid(i64::from(size)) as i32;
-        let [theta_i, phi_i, theta_v, phi_v] = self.degrees;
-        let angles = Angles::from_degrees(theta_i, phi_i, theta_v, phi_v);
-        (wrap(self.x, size[0]), wrap(self.y, size[1]), angles)
-    }
+/// The query as evaluators have it: the texel wrapped into `size`.
+fn resolve(query: &Asked, size: [u32; 2]) -> Query {
+    let wrap = |at: i64, size: u32| at.rem_euclid(i64::from(size)) as i32;
+    let [theta_i, phi_i, theta_v, phi_v] = query.degrees;
+    let angles = Angles::from_degrees(theta_i, phi_i, theta_v, phi_v);
+    Query { x: wrap(query.x, size[0]), y: wrap(query.y, size[1]), angles }
 }
 
-/// Scalar code on all cores.
+/// Vectors on all cores.
 struct Cpu<'a> {
     btf: &'a Btf,
     rules: Rules,
 }
 
 impl Evaluate for Cpu<'_> {
-    fn evaluate(&mut self, queries: &[Query]) -> Result<Vec<[f32; 3]>, CliError> {
-        let mut values = vec![[0.0; 3]; queries.len()];
+    fn evaluate(&mut self, queries: &[Query]) -> Result<Vec<Vec3>, CliError> {
+        let mut values = vec![Vec3::ZERO; queries.len()];
         let threads = thread::available_parallelism().map_or(1, usize::from);
         let share = queries.len().div_ceil(threads).max(1);
-        let (btf, rules) = (self.btf, self.rules);
         thread::scope(|scope| {
             for (queries, values) in queries.chunks(share).zip(values.chunks_mut(share)) {
-                scope.spawn(move || {
-                    for (query, value) in queries.iter().zip(values) {
-                        let (x, y, angles) = query.resolve(btf.size());
-                        *value = btf.evaluate(x, y, angles, rules).into();
-                    }
-                });
+                scope.spawn(|| self.btf.evaluate_batch(queries, self.rules, values));
             }
         });
         Ok(values)
     }
 }
 
+impl Evaluate for GpuEvaluator {
+    fn evaluate(&mut self, queries: &[Query]) -> Result<Vec<Vec3>, CliError> {
+        Self::evaluate(self, queries).map_err(gpu_trouble)
+    }
+}
+
+fn gpu_trouble(error: GpuError) -> CliError {
+    CliError::new(format!("--backend gpu: {error}"))
+}
+
 /// Between measured pictures.
 struct Pictures<'a>(&'a ImageBtf);
 
 impl Evaluate for Pictures<'_> {
-    fn evaluate(&mut self, queries: &[Query]) -> Result<Vec<[f32; 3]>, CliError> {
-        let queries: Vec<_> = queries.iter().map(|query| query.resolve(self.0.size())).collect();
-        Ok(self.0.evaluate_all(&queries)?.into_iter().map(Into::into).collect())
+    fn evaluate(&mut self, queries: &[Query]) -> Result<Vec<Vec3>, CliError> {
+        Ok(self.0.evaluate_all(queries)?)
     }
 }

@@ -1,6 +1,6 @@
 //! `farlight btf info`: what a material is.
 
-use farlight_btf_codec::{Angles, Btf, ColourSpace, ImageBtf, Info, Rules, read::Material};
+use farlight_btf_codec::{Angles, Btf, ColourSpace, ImageBtf, Info, Query, Rules, read::Material};
 use glam::Vec3;
 
 use super::{Source, table_bytes};
@@ -65,7 +65,7 @@ fn tables(btf: &Btf) -> String {
     );
     let values = mean_queries(btf.size())
         .into_iter()
-        .map(|(x, y, angles)| btf.evaluate(x, y, angles, Rules::default()));
+        .map(|Query { x, y, angles }| btf.evaluate(x, y, angles, Rules::default()));
     text += &mean_colour(values.collect());
     text += &line("tables", "   rows  columns       bytes");
     for table in btf.table_sizes() {
@@ -120,7 +120,7 @@ fn pictures(images: &ImageBtf) -> Result<String, CliError> {
 }
 
 /// At most 64 x 64 texels, spread evenly, seen along the normal, in light from all round.
-fn mean_queries([columns, rows]: [u32; 2]) -> Vec<(i32, i32, Angles)> {
+fn mean_queries([columns, rows]: [u32; 2]) -> Vec<Query> {
     let steps = |count: u32| {
         let most = count.min(64);
         (0..most).map(move |step| (u64::from(step) * u64::from(count) / u64::from(most)) as i32)
@@ -128,7 +128,7 @@ fn mean_queries([columns, rows]: [u32; 2]) -> Vec<(i32, i32, Angles)> {
     let lights = [0.0, 60.0, 120.0, 180.0, 240.0, 300.0]
         .map(|phi| Angles::from_degrees(45.0, phi, 0.0, 0.0));
     let texels = steps(rows).flat_map(|y| steps(columns).map(move |x| (x, y)));
-    texels.flat_map(|(x, y)| lights.map(|angles| (x, y, angles))).collect()
+    texels.flat_map(|(x, y)| lights.map(|angles| Query { x, y, angles })).collect()
 }
 
 fn mean_colour(values: Vec<Vec3>) -> String {

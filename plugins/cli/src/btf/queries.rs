@@ -19,7 +19,7 @@ const LONGEST_ROW: u64 = 1 << 20;
 
 /// A texel and directions, in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Query {
+pub(super) struct Asked {
     pub(super) x: i64,
     pub(super) y: i64,
     /// theta_i, phi_i, theta_v, phi_v.
@@ -28,7 +28,7 @@ pub(super) struct Query {
 
 /// A query, and its six fields as they stand in the file.
 pub(super) struct Row {
-    pub(super) query: Query,
+    pub(super) asked: Asked,
     pub(super) fields: ByteRecord,
 }
 
@@ -119,8 +119,8 @@ impl<R: Read> Queries<R> {
                 Err(wrong(format!("{name} is {number}, no number of a texel")))
             }
         };
-        let query = Query { x: texel(x, "x")?, y: texel(y, "y")?, degrees };
-        Ok(Some(Row { query, fields }))
+        let asked = Asked { x: texel(x, "x")?, y: texel(y, "y")?, degrees };
+        Ok(Some(Row { asked, fields }))
     }
 
     /// Bytes read so far.
@@ -177,7 +177,7 @@ mod tests {
             "\u{feff}phi_v,x,note, theta_i,y,phi_i,theta_v\r\n6, -1,\"a, b\",3.0,2,4,5e0\r\n";
         let rows = all(text).unwrap();
         assert_eq!(rows.len(), 1);
-        assert_eq!(rows[0].query, Query { x: -1, y: 2, degrees: [3.0, 4.0, 5.0, 6.0] });
+        assert_eq!(rows[0].asked, Asked { x: -1, y: 2, degrees: [3.0, 4.0, 5.0, 6.0] });
         let fields: Vec<&[u8]> = rows[0].fields.iter().collect();
         assert_eq!(fields, [&b" -1"[..], b"2", b"3.0", b"4", b"5e0", b"6"]);
     }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use self::hemisphere::Hemisphere;
 use self::store::Store;
-use crate::{Angles, BtfError, Info, linear, srgb_encode};
+use crate::{Angles, BtfError, Info, Query, linear, srgb_encode};
 
 pub use store::Picture;
 pub(crate) use store::Source;
@@ -174,13 +174,13 @@ impl ImageBtf {
     /// # Errors
     ///
     /// As [`ImageBtf::evaluate`].
-    pub fn evaluate_all(&self, queries: &[(i32, i32, Angles)]) -> Result<Vec<Vec3>, BtfError> {
+    pub fn evaluate_all(&self, queries: &[Query]) -> Result<Vec<Vec3>, BtfError> {
         let mut wanted: Vec<(u32, u32, f32)> = queries
             .par_iter()
             .enumerate()
-            .flat_map_iter(|(query, (_, _, angles))| {
-                let contributions = self.contributions(*angles).into_iter();
-                contributions.map(move |(picture, weight)| (picture, query as u32, weight))
+            .flat_map_iter(|(number, query)| {
+                let contributions = self.contributions(query.angles).into_iter();
+                contributions.map(move |(picture, weight)| (picture, number as u32, weight))
             })
             .collect();
         wanted.par_sort_unstable_by_key(|(picture, query, _)| (*picture, *query));
@@ -194,7 +194,7 @@ impl ImageBtf {
                 .collect::<Result<_, _>>()?;
             for (group, picture) in groups.iter().zip(pictures) {
                 for (_, query, weight) in *group {
-                    let (x, y, _) = queries[*query as usize];
+                    let Query { x, y, .. } = queries[*query as usize];
                     sums[*query as usize] += weight * light(&picture, self.place(x, y));
                 }
             }

@@ -25,6 +25,14 @@ impl Material {
             Self::Images(images) => images.info(),
         }
     }
+
+    /// Width and height in texels.
+    pub fn size(&self) -> [u32; 2] {
+        match self {
+            Self::Tables(btf) => btf.size(),
+            Self::Images(images) => images.size(),
+        }
+    }
 }
 
 /// Opens any material:
