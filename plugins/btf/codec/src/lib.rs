@@ -31,6 +31,7 @@ mod albedo;
 mod angles;
 mod check;
 mod colour;
+pub mod compress;
 mod error;
 mod evaluate;
 mod file;

@@ -1,0 +1,130 @@
+//! Makes the cloth of `assets/materials/cloth.fbtf`: a twill of indigo and ecru yarns, path-traced
+//! and compressed.
+//!
+//! ```text
+//! cargo run --release -p farlight_btf_codec --example woven_cloth -- --out cloth.fbtf
+//! ```
+
+mod fibre;
+mod measure;
+mod sheet;
+mod transport;
+mod weave;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use farlight_btf_codec::compress::Grid;
+use glam::Vec3;
+
+use measure::{Lights, Value};
+use transport::Cloth;
+use weave::{Mesh, Weave};
+
+/// Texels on each side.
+const TEXELS: usize = 64;
+/// Linear albedos of the yarns: indigo and ecru.
+const COLOURS: [Vec3; 2] = [Vec3::new(0.013, 0.036, 0.125), Vec3::new(0.72, 0.60, 0.42)];
+const SEED: u64 = 7;
+
+const HELP: &str = "\
+woven_cloth [--out FILE.fbtf] [--sheet FILE.png] [--samples N] [--raw FILE]
+
+  --out      the compressed cloth
+  --sheet    a picture of the cloth from a few directions, before it is compressed
+  --samples  lines of sight a texel (16)
+  --raw      keep what was traced in this file, and take it from there if it exists
+";
+
+struct Options {
+    out: Option<PathBuf>,
+    sheet: Option<PathBuf>,
+    raw: Option<PathBuf>,
+    samples: u32,
+}
+
+impl Options {
+    fn read(mut args: impl Iterator<Item = String>) -> Result<Self, String> {
+        let mut options = Self { out: None, sheet: None, raw: None, samples: 16 };
+        while let Some(name) = args.next() {
+            let mut value = || args.next().ok_or_else(|| format!("{name} wants a value"));
+            match name.as_str() {
+                "--out" => options.out = Some(value()?.into()),
+                "--sheet" => options.sheet = Some(value()?.into()),
+                "--raw" => options.raw = Some(value()?.into()),
+                "--samples" => {
+                    let count = value()?;
+                    let parsed = count.parse().ok().filter(|count| (1..=4096).contains(count));
+                    options.samples =
+                        parsed.ok_or_else(|| format!("--samples {count}: 1 to 4096"))?;
+                }
+                _ => return Err(format!("there is no option {name}\n\n{HELP}")),
+            }
+        }
+        Ok(options)
+    }
+}
+
+fn main() -> ExitCode {
+    if std::env::args().any(|arg| arg == "--help") {
+        print!("{HELP}");
+        return ExitCode::SUCCESS;
+    }
+    match Options::read(std::env::args().skip(1)).and_then(|options| run(&options)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("woven_cloth: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(options: &Options) -> Result<(), String> {
+    let start = Instant::now();
+    let weave = Weave::new(SEED, COLOURS);
+    let mesh = Mesh::new(&weave, 160, 28);
+    let cloth = Cloth::new(weave, mesh, SEED);
+    let grid = Grid::default();
+    println!("yarns after {:.1?}", start.elapsed());
+    if let Some(path) = &options.sheet {
+        sheet::write(path, &cloth, &grid, TEXELS, options.samples)?;
+        println!("{} after {:.1?}", path.display(), start.elapsed());
+    }
+    let values = match &options.raw {
+        Some(path) if path.exists() => read(path, TEXELS * TEXELS * grid.samples())?,
+        _ => trace(&cloth, &grid, options.samples, start),
+    };
+    if let Some(path) = options.raw.as_ref().filter(|path| !path.exists()) {
+        std::fs::write(path, bytemuck::cast_slice(&values))
+            .map_err(|error| format!("{}: {error}", path.display()))?;
+    }
+    Ok(())
+}
+
+/// All views: for each texel its samples, in the order of the grid.
+fn trace(cloth: &Cloth, grid: &Grid, samples: u32, start: Instant) -> Vec<Value> {
+    let slice = grid.alpha * grid.beta;
+    let mut values = vec![Value::default(); TEXELS * TEXELS * grid.samples()];
+    for phi in 0..grid.phi {
+        let lights = Lights::new(cloth, grid, phi);
+        for theta in 0..grid.theta {
+            let view = measure::view(cloth, grid, &lights, [phi, theta], TEXELS, samples);
+            let at = grid.index(phi, theta, 0, 0);
+            let texels = values.chunks_exact_mut(grid.samples());
+            for (texel, view) in texels.zip(view.chunks_exact(slice)) {
+                texel[at..at + slice].copy_from_slice(view);
+            }
+        }
+        println!("{} of {} azimuths after {:.1?}", phi + 1, grid.phi, start.elapsed());
+    }
+    values
+}
+
+fn read(path: &Path, count: usize) -> Result<Vec<Value>, String> {
+    let bytes = std::fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let values: Vec<Value> = bytemuck::pod_collect_to_vec(&bytes);
+    (values.len() == count)
+        .then_some(values)
+        .ok_or_else(|| format!("{}: not as long as it should be", path.display()))
+}

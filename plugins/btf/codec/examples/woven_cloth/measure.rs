@@ -1,0 +1,91 @@
+//! The cloth as a measuring rig would see it: each texel, each view, each light.
+
+use std::f32::consts::FRAC_PI_2;
+
+use farlight_btf_codec::{compress::Grid, srgb_encode};
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::transport::{Cloth, texel_points};
+use crate::weave::TILE;
+
+/// Samples at 90 degrees hold what is there at this elevation: the cloth is rough, and the values
+/// between the last two samples are what counts.
+const LIMIT: f32 = 86.0 / 90.0 * FRAC_PI_2;
+
+/// Steps of the stored values in 1 of 255.
+pub(crate) const STEPS: f32 = 64.0;
+
+/// Directions with their texels: gamma-encoded, 255 for white, times [`STEPS`].
+pub(crate) type Value = [u16; 3];
+
+/// All lights of an azimuth of the view.
+pub(crate) struct Lights {
+    directions: Vec<Vec3>,
+    /// For each alpha and beta.
+    index: Vec<usize>,
+    reflected: Vec<Vec3>,
+}
+
+impl Lights {
+    pub(crate) fn new(cloth: &Cloth, grid: &Grid, phi: usize) -> Self {
+        let mut lights = Self { directions: Vec::new(), index: Vec::new(), reflected: Vec::new() };
+        for alpha in 0..grid.alpha {
+            for beta in 0..grid.beta {
+                let angles = grid.angles(phi, 0, alpha, beta);
+                let light = direction(angles.theta_i, angles.phi_i);
+                let known = lights.directions.iter().position(|d| d.distance(light) < 1e-4);
+                lights.index.push(known.unwrap_or_else(|| {
+                    lights.directions.push(light);
+                    lights.directions.len() - 1
+                }));
+            }
+        }
+        lights.reflected = cloth.reflected(&lights.directions);
+        lights
+    }
+}
+
+fn direction(theta: f32, phi: f32) -> Vec3 {
+    let (sin, cos) = theta.min(LIMIT).sin_cos();
+    Vec3::new(sin * phi.cos(), sin * phi.sin(), cos)
+}
+
+/// One view: for each texel, each alpha and beta.
+pub(crate) fn view(
+    cloth: &Cloth,
+    grid: &Grid,
+    lights: &Lights,
+    [phi, theta]: [usize; 2],
+    texels: usize,
+    samples: u32,
+) -> Vec<Value> {
+    let [theta_v, phi_v] = grid.view(phi, theta);
+    let view = direction(theta_v, phi_v);
+    // The plane whose points keep their place in the picture whatever the view.
+    let [low, high] = cloth.mesh.heights;
+    let middle = low + 0.72 * (high - low);
+    let pitch = TILE / texels as f32;
+    let slice = lights.index.len();
+    let mut values = vec![[0; 3]; texels * texels * slice];
+    values.par_chunks_mut(slice).enumerate().for_each(|(texel, values)| {
+        let corner = [texel % texels, texel / texels].map(|at| at as f32);
+        let mut sum = vec![Vec3::ZERO; lights.directions.len()];
+        for point in texel_points(samples, texel as u64) {
+            // Rows count against y.
+            let place = Vec3::new(
+                (corner[0] + point.x) * pitch,
+                TILE - (corner[1] + point.y) * pitch,
+                middle,
+            );
+            if let Some((place, at)) = cloth.seen(place, view) {
+                cloth.shade(place, at, view, &lights.directions, &lights.reflected, &mut sum);
+            }
+        }
+        for (value, light) in values.iter_mut().zip(&lights.index) {
+            let encoded = (sum[*light] / samples as f32).map(srgb_encode) * 255.0 * STEPS;
+            *value = encoded.to_array().map(|channel| channel.round() as u16);
+        }
+    });
+    values
+}

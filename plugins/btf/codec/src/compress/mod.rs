@@ -1,0 +1,5 @@
+//! Compression by multi-level vector quantization.
+
+mod grid;
+
+pub use grid::Grid;
