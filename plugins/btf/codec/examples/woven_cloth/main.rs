@@ -11,11 +11,12 @@ mod sheet;
 mod transport;
 mod weave;
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use farlight_btf_codec::compress::Grid;
+use farlight_btf_codec::compress::{Grid, Quality, Settings, TexelSource, compress};
 use glam::Vec3;
 
 use measure::{Lights, Value};
@@ -42,17 +43,29 @@ struct Options {
     sheet: Option<PathBuf>,
     raw: Option<PathBuf>,
     samples: u32,
+    quality: Quality,
+    passes: u32,
 }
 
 impl Options {
     fn read(mut args: impl Iterator<Item = String>) -> Result<Self, String> {
-        let mut options = Self { out: None, sheet: None, raw: None, samples: 16 };
+        let mut options = Self {
+            out: None,
+            sheet: None,
+            raw: None,
+            samples: 16,
+            quality: Quality::Error(6.0),
+            passes: 2,
+        };
         while let Some(name) = args.next() {
             let mut value = || args.next().ok_or_else(|| format!("{name} wants a value"));
             match name.as_str() {
                 "--out" => options.out = Some(value()?.into()),
                 "--sheet" => options.sheet = Some(value()?.into()),
                 "--raw" => options.raw = Some(value()?.into()),
+                "--error" => options.quality = Quality::Error(value()?.parse().unwrap()),
+                "--bytes" => options.quality = Quality::Bytes(value()?.parse().unwrap()),
+                "--passes" => options.passes = value()?.parse().unwrap(),
                 "--samples" => {
                     let count = value()?;
                     let parsed = count.parse().ok().filter(|count| (1..=4096).contains(count));
@@ -99,7 +112,47 @@ fn run(options: &Options) -> Result<(), String> {
         std::fs::write(path, bytemuck::cast_slice(&values))
             .map_err(|error| format!("{}: {error}", path.display()))?;
     }
+    let mut cloth = Traced { values, grid };
+    let settings = Settings { quality: options.quality, passes: options.passes };
+    let found = compress(&mut cloth, &settings, &mut |_| ControlFlow::Continue(()));
+    let found = found.map_err(|error| error.to_string())?.ok_or("stopped")?;
+    println!("{:?}, {:.2} dB after {:.1?}", found.report, found.report.psnr(), start.elapsed());
+    let t = &found.tables;
+    println!(
+        "azimuths {} elevations {} slices {} luminances {} shapes {} chromas {} colour rows {} colours {}",
+        t.azimuths.rows(),
+        t.elevations.rows(),
+        t.slices.rows(),
+        t.luminances.rows(),
+        t.shapes.rows(),
+        t.chromas.rows(),
+        t.colour_rows.rows(),
+        t.colours.rows()
+    );
     Ok(())
+}
+
+/// What was traced, as the compressor wants it.
+struct Traced {
+    values: Vec<Value>,
+    grid: Grid,
+}
+
+impl TexelSource for Traced {
+    fn size(&self) -> [u32; 2] {
+        [TEXELS as u32; 2]
+    }
+
+    fn grid(&self) -> Grid {
+        self.grid
+    }
+
+    fn texel(&self, x: u32, y: u32, samples: &mut [[f32; 3]]) {
+        let at = (y as usize * TEXELS + x as usize) * samples.len();
+        for (sample, value) in samples.iter_mut().zip(&self.values[at..]) {
+            *sample = value.map(|channel| f32::from(channel) / measure::STEPS);
+        }
+    }
 }
 
 /// All views: for each texel its samples, in the order of the grid.

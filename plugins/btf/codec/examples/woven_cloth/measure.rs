@@ -6,12 +6,17 @@ use farlight_btf_codec::{compress::Grid, srgb_encode};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::transport::{Cloth, texel_points};
+use crate::transport::{Cloth, blurred, samples};
 use crate::weave::TILE;
 
-/// Samples at 90 degrees hold what is there at this elevation: the cloth is rough, and the values
-/// between the last two samples are what counts.
-const LIMIT: f32 = 86.0 / 90.0 * FRAC_PI_2;
+/// Samples with a light or a view at 90 degrees hold what is there at these elevations: what lies
+/// between the last two samples counts, and the picture runs away where the view grazes the cloth.
+const LIMIT: Limits = Limits { light: 84.0 / 90.0 * FRAC_PI_2, view: 79.0 / 90.0 * FRAC_PI_2 };
+
+struct Limits {
+    light: f32,
+    view: f32,
+}
 
 /// Steps of the stored values in 1 of 255.
 pub(crate) const STEPS: f32 = 64.0;
@@ -33,7 +38,7 @@ impl Lights {
         for alpha in 0..grid.alpha {
             for beta in 0..grid.beta {
                 let angles = grid.angles(phi, 0, alpha, beta);
-                let light = direction(angles.theta_i, angles.phi_i);
+                let light = direction(angles.theta_i.min(LIMIT.light), angles.phi_i);
                 let known = lights.directions.iter().position(|d| d.distance(light) < 1e-4);
                 lights.index.push(known.unwrap_or_else(|| {
                     lights.directions.push(light);
@@ -47,7 +52,7 @@ impl Lights {
 }
 
 fn direction(theta: f32, phi: f32) -> Vec3 {
-    let (sin, cos) = theta.min(LIMIT).sin_cos();
+    let (sin, cos) = theta.sin_cos();
     Vec3::new(sin * phi.cos(), sin * phi.sin(), cos)
 }
 
@@ -58,20 +63,22 @@ pub(crate) fn view(
     lights: &Lights,
     [phi, theta]: [usize; 2],
     texels: usize,
-    samples: u32,
+    count: u32,
 ) -> Vec<Value> {
     let [theta_v, phi_v] = grid.view(phi, theta);
-    let view = direction(theta_v, phi_v);
+    let view = direction(theta_v.min(LIMIT.view), phi_v);
     // The plane whose points keep their place in the picture whatever the view.
     let [low, high] = cloth.mesh.heights;
-    let middle = low + 0.72 * (high - low);
+    let middle = low + 0.8 * (high - low);
     let pitch = TILE / texels as f32;
     let slice = lights.index.len();
     let mut values = vec![[0; 3]; texels * texels * slice];
     values.par_chunks_mut(slice).enumerate().for_each(|(texel, values)| {
         let corner = [texel % texels, texel / texels].map(|at| at as f32);
         let mut sum = vec![Vec3::ZERO; lights.directions.len()];
-        for point in texel_points(samples, texel as u64) {
+        for sample in samples(count, texel as u64) {
+            let view = blurred(view, sample.view);
+            let point = sample.point;
             // Rows count against y.
             let place = Vec3::new(
                 (corner[0] + point.x) * pitch,
@@ -79,11 +86,12 @@ pub(crate) fn view(
                 middle,
             );
             if let Some((place, at)) = cloth.seen(place, view) {
-                cloth.shade(place, at, view, &lights.directions, &lights.reflected, &mut sum);
+                let Lights { directions, reflected, .. } = lights;
+                cloth.shade(place, at, view, directions, sample.light, reflected, &mut sum);
             }
         }
         for (value, light) in values.iter_mut().zip(&lights.index) {
-            let encoded = (sum[*light] / samples as f32).map(srgb_encode) * 255.0 * STEPS;
+            let encoded = (sum[*light] / count as f32).map(srgb_encode) * 255.0 * STEPS;
             *value = encoded.to_array().map(|channel| channel.round() as u16);
         }
     });

@@ -15,9 +15,9 @@ pub(crate) const TILE: f32 = YARNS as f32;
 /// Half the width of a yarn, lying in the cloth.
 const HALF_WIDTH: f32 = 0.49;
 /// Half its thickness, across the cloth.
-const HALF_THICKNESS: f32 = 0.27;
+const HALF_THICKNESS: f32 = 0.19;
 /// How far a yarn goes up and down.
-const AMPLITUDE: f32 = 0.27;
+const AMPLITUDE: f32 = 0.19;
 /// Radians by which the plies turn a length: three turns a tile.
 const TWIST: f32 = TAU * 3.0 / TILE;
 
@@ -98,7 +98,7 @@ impl Weave {
         let own = &self.yarns[yarn];
         let index = (yarn % YARNS) as f32;
         let aside = index + 0.5 + 0.045 * own.aside.at(along);
-        let lift = 0.025 * own.height.at(along);
+        let lift = 0.02 * own.height.at(along);
         // 2/2 twill: warp i is above the wefts i and i - 1 (modulo 4), between which y = i.
         let (middle, side) = if yarn < YARNS { (index, 1.0) } else { (index + 1.0, -1.0) };
         let wave = (TAU / 4.0 * (along - middle)).cos();
