@@ -6,7 +6,7 @@ use farlight_btf_codec::{compress::Grid, srgb_encode};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::transport::{Cloth, blurred, samples};
+use crate::transport::{Arriving, Cloth, blurred, sights};
 use crate::weave::TILE;
 
 /// Samples with a light or a view at 90 degrees hold what is there at these elevations: what lies
@@ -29,25 +29,31 @@ pub(crate) struct Lights {
     directions: Vec<Vec3>,
     /// For each alpha and beta.
     index: Vec<usize>,
-    reflected: Vec<Vec3>,
+    arriving: Arriving,
 }
 
 impl Lights {
     pub(crate) fn new(cloth: &Cloth, grid: &Grid, phi: usize) -> Self {
-        let mut lights = Self { directions: Vec::new(), index: Vec::new(), reflected: Vec::new() };
+        let mut directions: Vec<Vec3> = Vec::new();
+        let mut index = Vec::new();
         for alpha in 0..grid.alpha {
             for beta in 0..grid.beta {
                 let angles = grid.angles(phi, 0, alpha, beta);
                 let light = direction(angles.theta_i.min(LIMIT.light), angles.phi_i);
-                let known = lights.directions.iter().position(|d| d.distance(light) < 1e-4);
-                lights.index.push(known.unwrap_or_else(|| {
-                    lights.directions.push(light);
-                    lights.directions.len() - 1
+                let known = directions.iter().position(|d| d.distance(light) < 1e-4);
+                index.push(known.unwrap_or_else(|| {
+                    directions.push(light);
+                    directions.len() - 1
                 }));
             }
         }
-        lights.reflected = cloth.reflected(&lights.directions);
-        lights
+        Self { arriving: cloth.arriving(&directions), directions, index }
+    }
+
+    /// The same lights for the view from the other side, to which they stand the other way round.
+    pub(crate) fn opposite(mut self) -> Self {
+        self.index.reverse();
+        self
     }
 }
 
@@ -72,22 +78,21 @@ pub(crate) fn view(
     let middle = low + 0.8 * (high - low);
     let pitch = TILE / texels as f32;
     let slice = lights.index.len();
+    let sights = sights(count);
     let mut values = vec![[0; 3]; texels * texels * slice];
     values.par_chunks_mut(slice).enumerate().for_each(|(texel, values)| {
         let corner = [texel % texels, texel / texels].map(|at| at as f32);
         let mut sum = vec![Vec3::ZERO; lights.directions.len()];
-        for sample in samples(count, texel as u64) {
-            let view = blurred(view, sample.view);
-            let point = sample.point;
+        for [point, shift] in &sights {
+            let view = blurred(view, *shift);
             // Rows count against y.
             let place = Vec3::new(
                 (corner[0] + point.x) * pitch,
                 TILE - (corner[1] + point.y) * pitch,
                 middle,
             );
-            if let Some((place, at)) = cloth.seen(place, view) {
-                let Lights { directions, reflected, .. } = lights;
-                cloth.shade(place, at, view, directions, sample.light, reflected, &mut sum);
+            if let Some(place) = cloth.seen(place, view) {
+                cloth.shade(place, view, &lights.directions, &lights.arriving, &mut sum);
             }
         }
         for (value, light) in values.iter_mut().zip(&lights.index) {

@@ -177,7 +177,7 @@ impl Weave {
 pub(crate) struct Mesh {
     pub(crate) steps_along: usize,
     pub(crate) steps_round: usize,
-    /// Those of the tile nine times, in the order of [`Mesh::OFFSETS`].
+    /// Those of the tile nine times, with its neighbours.
     pub(crate) triangles: Vec<[Vec3; 3]>,
     /// Least and greatest height.
     pub(crate) heights: [f32; 2],
@@ -208,8 +208,8 @@ impl Mesh {
         mesh
     }
 
-    /// The tile's copies: round itself.
-    pub(crate) fn offsets() -> [Vec3; 9] {
+    /// The tile and its neighbours.
+    fn offsets() -> [Vec3; 9] {
         std::array::from_fn(|i| Vec3::new((i % 3) as f32 - 1.0, (i / 3) as f32 - 1.0, 0.0) * TILE)
     }
 
@@ -222,15 +222,15 @@ impl Mesh {
         }
     }
 
-    /// Place on the tile, and the copy of the tile, where a triangle was hit.
-    pub(crate) fn hit(&self, triangle: u32, u: f32, v: f32) -> (Place, usize) {
+    /// Place where a triangle was hit.
+    pub(crate) fn hit(&self, triangle: u32, u: f32, v: f32) -> Place {
         let tile = 4 * YARNS * self.steps_along * self.steps_round;
-        let (copy, triangle) = (triangle as usize / tile, triangle as usize % tile);
+        let triangle = triangle as usize % tile;
         let quad = triangle / 2;
         let round = (quad % self.steps_round) as f32;
         let ring = quad / self.steps_round;
         let (yarn, along) = (ring / self.steps_along, (ring % self.steps_along) as f32);
         let (a, r) = if triangle % 2 == 0 { (u + v, v) } else { (u, u + v) };
-        (self.place(yarn, along + a, round + r), copy)
+        self.place(yarn, along + a, round + r)
     }
 }

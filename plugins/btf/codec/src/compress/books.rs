@@ -316,19 +316,16 @@ impl Books {
         }
     }
 
-    /// Bytes of the tables, packed.
+    /// Bytes of the tables, packed ([`crate::Layout`] says how).
     pub(super) fn bytes(&self) -> usize {
         let slices = &self.slices;
-        let halves = slices.beta.div_ceil(2);
         4 * (self.texels.len()
             + self.azimuths.index.len()
-            + self.elevations.index.len()
-            + 2 * slices.pairs.len()
+            + 2 * self.elevations.index.len()
             + slices.luminance_index.len()
-            + slices.shape_count() * halves
+            + slices.shape_count() * slices.beta.div_ceil(2)
             + slices.chroma_index.len()
-            + slices.colour_rows.len() / slices.beta.max(1) * halves
-            + 2 * slices.colours.len())
+            + slices.colour_rows.len())
     }
 
     pub(super) fn grid(&self) -> &Grid {

@@ -137,8 +137,7 @@ impl Compressed {
     }
 }
 
-/// Root mean square errors that rows of the levels may have, so that those of a texel's parts add
-/// up to the whole.
+/// Root mean square errors that rows of the levels may have.
 #[derive(Clone, Copy, Debug)]
 struct Limits {
     total: f32,
@@ -161,17 +160,12 @@ impl Limits {
     };
 
     fn new(error: f32) -> Self {
-        let k: Vec<f32> = std::env::var("LIM")
-            .unwrap_or("0.8,0.2,0.6,0.15".into())
-            .split(',')
-            .map(|x| x.parse().unwrap())
-            .collect();
         Self {
             total: error,
-            luminance: k[0] * error,
-            chroma: k[1] * error,
-            shape: k[2] * error,
-            colours: k[3] * error,
+            luminance: 0.85 * error,
+            chroma: 0.4 * error,
+            shape: 0.6 * error,
+            colours: 0.3 * error,
             colour_step: (0.1 * error).max(0.25),
         }
     }
@@ -337,7 +331,7 @@ impl Run<'_> {
             let all: Vec<u64> = texels.collect();
             for batch in all.chunks(batch(&grid)) {
                 let before = books.before();
-                let t0 = std::time::Instant::now();
+                
                 let plans: Result<Vec<_>, BtfError> = batch
                     .par_iter()
                     .map(|at| {
@@ -356,22 +350,6 @@ impl Run<'_> {
                     done.push((texel, row));
                 }
                 books.check()?;
-                if std::env::var_os("DEBUG_BOOKS").is_some() {
-                    eprintln!(
-                        "{:?} texels {} az {} el {} pairs {} lum {} shapes {} chroma {} crows {} col {} bytes {}",
-                        t0.elapsed(),
-                        books.texels.len(),
-                        books.azimuths.len(),
-                        books.elevations.len(),
-                        books.slices.pairs.len(),
-                        books.slices.luminance_book.len(),
-                        books.slices.shape_count(),
-                        books.slices.chroma_book.len(),
-                        books.slices.colour_rows.len() / 11,
-                        books.slices.colours.len(),
-                        books.bytes()
-                    );
-                }
                 let errors: Vec<_> =
                     done.par_iter().map(|(texel, row)| books.errors(texel, *row)).collect();
                 for (square, most) in errors {
