@@ -78,7 +78,7 @@ impl Options {
                 "--samples" => options.samples = number(&name, &value, 1..=4096)?,
                 "--passes" => options.passes = number(&name, &value, 1..=8)?,
                 "--error" => {
-                    options.quality = Quality::Error(number(&name, &value, 1..=100)? as f32)
+                    options.quality = Quality::Error(number(&name, &value, 1..=100)? as f32);
                 }
                 _ => {
                     let bytes = number(&name, &value, 1..=u32::MAX)?;

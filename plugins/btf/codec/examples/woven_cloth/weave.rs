@@ -230,7 +230,7 @@ impl Mesh {
         let round = (quad % self.steps_round) as f32;
         let ring = quad / self.steps_round;
         let (yarn, along) = (ring / self.steps_along, (ring % self.steps_along) as f32);
-        let (a, r) = if triangle % 2 == 0 { (u + v, v) } else { (u, u + v) };
+        let (a, r) = if triangle.is_multiple_of(2) { (u + v, v) } else { (u, u + v) };
         self.place(yarn, along + a, round + r)
     }
 }

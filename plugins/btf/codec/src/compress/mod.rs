@@ -331,7 +331,7 @@ impl Run<'_> {
             let all: Vec<u64> = texels.collect();
             for batch in all.chunks(batch(&grid)) {
                 let before = books.before();
-                
+
                 let plans: Result<Vec<_>, BtfError> = batch
                     .par_iter()
                     .map(|at| {
