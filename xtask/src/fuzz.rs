@@ -1,4 +1,5 @@
-//! `cargo xtask fuzz`: damaged and random input for every decoder of the wire, as long as one likes.
+//! `cargo xtask fuzz`: damaged and random input for every decoder of the wire and every reader of
+//! materials, as long as one likes.
 
 use crate::args::Args;
 use crate::{Failure, process};
@@ -7,8 +8,8 @@ pub(crate) const HELP: &str = "\
 cargo xtask fuzz [--seconds N] [--seed N] [TARGET]
 
 Feeds damaged, random and lying input to the decoders and sessions of remote lighting, and what they
-accept to a solver. Nothing may panic, take more memory than the limits say, or change when it is
-sent on. The stable toolchain is enough: inputs are mutations of valid ones, without feedback from
+accept to a solver; also to the readers of measured materials, and evaluates what they accept.
+Nothing may panic, take more memory than the limits say, or change when it is sent on. The stable toolchain is enough: inputs are mutations of valid ones, without feedback from
 the code that they reach. The tests run every target briefly; this runs each for N seconds.
 
   --seconds N   time for every target (default 60)
@@ -16,6 +17,7 @@ the code that they reach. The tests run every target briefly; this runs each for
   TARGET        only targets whose name begins with it:
                 blob lighting lighting_beside invitation greeting client_session server_session
                 client_message server_message hello_and_welcome solver odd_scene
+                material_own material_binary material_text material_archive material_list
 
 An input that fails is printed in hexadecimal, with its seed and number.
 ";
@@ -27,7 +29,8 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
     args.finish()?;
     let mut cargo = process::cargo();
     cargo
-        .args(["test", "--package", "farlight_wire", "--lib", "--test", "fuzz", "--"])
+        .args(["test", "--package", "farlight_wire", "--package", "farlight_btf_codec"])
+        .args(["--lib", "--test", "fuzz", "--"])
         .args([&format!("fuzz_{target}"), "--nocapture", "--test-threads=1"])
         .env("FARLIGHT_FUZZ_SECONDS", seconds.to_string())
         .env("FARLIGHT_FUZZ_SEED", seed.to_string());

@@ -166,9 +166,12 @@ fn shapes(shapes: &mut Codes, found: &mut Vec<Repair>) {
         return;
     }
     let sums = sums(&shapes.values(), columns);
-    let mut sorted = sums.clone();
-    sorted.sort_by(f32::total_cmp);
-    let usual = sorted.get(sorted.len() / 2).copied().unwrap_or_default();
+    // What a whole row sums to: the middle of those that lack nothing.
+    let greatest = sums.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    let mut whole: Vec<f32> =
+        sums.iter().copied().filter(|sum| greatest - sum < 0.5 * (max - min)).collect();
+    whole.sort_by(f32::total_cmp);
+    let usual = whole.get(whole.len() / 2).copied().unwrap_or_default();
     for (row, sum) in sums.into_iter().enumerate() {
         let zeros = (0..columns).filter(|column| shapes.codes[row * columns + column] == 0);
         let mut zeros: Vec<(f32, usize)> = zeros
