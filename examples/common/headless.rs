@@ -11,6 +11,7 @@ use std::{
 
 use bevy::{
     app::PluginsState,
+    asset::UnapprovedPathMode,
     camera::RenderTarget,
     log::LogPlugin,
     prelude::*,
@@ -77,7 +78,12 @@ impl Headless {
                 ..default()
             })
             .set(RenderPlugin { synchronous_pipeline_compilation: true, ..default() })
-            .set(AssetPlugin { file_path: assets.display().to_string(), ..default() })
+            .set(AssetPlugin {
+                file_path: assets.display().to_string(),
+                // Files of the person who runs it lie anywhere.
+                unapproved_path_mode: UnapprovedPathMode::Allow,
+                ..default()
+            })
             .disable::<WinitPlugin>()
             .disable::<PipelinedRenderingPlugin>();
         // A process has one log, whereas tests have many apps: for a look at a single one.

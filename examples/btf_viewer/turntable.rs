@@ -1,0 +1,100 @@
+//! The turntable without a window.
+
+use std::{path::Path, time::Duration};
+
+use bevy::prelude::*;
+use farlight::btf::BtfStatus;
+
+use super::{
+    config::Viewer,
+    environment::Environments,
+    headless::{Headless, Picture},
+    material::Materials,
+    object::{Arriving, Unfitted},
+    state::{self, Problems, Shown},
+};
+
+/// Files of any size that can be shown at all arrive in this time.
+const PATIENCE: Duration = Duration::from_secs(600);
+/// Pictures in a row of the contact sheet.
+const COLUMNS: usize = 4;
+
+/// Draws `frames` pictures of a whole turn into `out`.
+pub fn run(
+    config: Viewer,
+    out: &Path,
+    frames: u32,
+    size: UVec2,
+    build: impl FnOnce(&mut App, Viewer),
+) -> Result<(), String> {
+    let mut headless = Headless::new(size, &state::assets(), |app| {
+        build(app, config);
+    })?;
+    println!("drawn by {}", headless.adapter());
+    // The first frames ask for the files.
+    for _ in 0..3 {
+        headless.update()?;
+    }
+    headless.update_until("object, material and environment", PATIENCE, |world| {
+        let busy = world.resource::<Materials>().busy() || world.resource::<Environments>().busy();
+        let mut arriving = world.query_filtered::<(), Or<(With<Arriving>, With<Unfitted>)>>();
+        !busy && arriving.iter(world).next().is_none()
+    })?;
+    for _ in 0..2 {
+        headless.update()?;
+    }
+    headless.update_until("the material on the GPU", PATIENCE, |world| {
+        world.resource::<BtfStatus>().waiting == 0
+    })?;
+    let problems: Vec<String> =
+        headless.app.world().resource::<Problems>().all().map(Into::into).collect();
+    if !problems.is_empty() {
+        return Err(problems.join("\n"));
+    }
+    headless.capture_still()?;
+    let mut pictures = Vec::new();
+    for frame in 0..frames {
+        let turn = 360.0 * frame as f32 / frames as f32;
+        headless.app.world_mut().resource_mut::<Shown>().turn = turn;
+        headless.update()?;
+        let picture = headless.capture()?;
+        if let Some(problem) = picture.problem() {
+            return Err(format!("the picture at {turn} degrees is {problem}"));
+        }
+        let file = out.join(format!("frame_{frame:03}.png"));
+        picture.save(file)?;
+        pictures.push(picture);
+    }
+    let sheet = out.join("contact.png");
+    contact_sheet(&pictures).save(&sheet)?;
+    println!("wrote {} pictures and {}", pictures.len(), sheet.display());
+    Ok(())
+}
+
+/// All pictures in rows, made smaller by whole factors until the sheet is at most 2048 wide.
+fn contact_sheet(pictures: &[Picture]) -> Picture {
+    let columns = pictures.len().clamp(1, COLUMNS);
+    let rows = pictures.len().div_ceil(columns);
+    let (width, height) =
+        pictures.first().map_or((1, 1), |p| (p.width as usize, p.height as usize));
+    let factor = (columns * width).div_ceil(2048).max(1);
+    let (w, h) = ((width / factor).max(1), (height / factor).max(1));
+    let mut pixels = vec![[0; 3]; columns * w * rows * h];
+    for (i, picture) in pictures.iter().enumerate() {
+        let (left, top) = (i % columns * w, i / columns * h);
+        for y in 0..h {
+            for x in 0..w {
+                let mut sum = [0_u32; 3];
+                for k in 0..factor * factor {
+                    let (dx, dy) = (k % factor, k / factor);
+                    let at = (y * factor + dy) * width + x * factor + dx;
+                    let pixel = picture.pixels[at.min(picture.pixels.len() - 1)];
+                    sum = [0, 1, 2].map(|c| sum[c] + u32::from(pixel[c]));
+                }
+                let count = (factor * factor) as u32;
+                pixels[(top + y) * columns * w + left + x] = sum.map(|v| (v / count) as u8);
+            }
+        }
+    }
+    Picture { width: (columns * w) as u32, height: (rows * h) as u32, pixels }
+}
