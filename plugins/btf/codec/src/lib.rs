@@ -53,7 +53,7 @@ pub use angles::{Angles, Cell, SliceAngles};
 pub use colour::{ColourSpace, linear, srgb_encode};
 pub use error::BtfError;
 pub use evaluate::{Backend, Query, Rules, ViewSlices};
-pub use images::{ImageBtf, Picture};
+pub use images::{ImageBtf, Picture, Resampled};
 pub use info::{Certainty, Info, Repair};
 pub use layout::{Coded, Layout, Packed};
 pub use material::{Btf, TableSize};

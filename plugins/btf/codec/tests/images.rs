@@ -3,9 +3,12 @@
 use std::f64::consts::PI;
 use std::fs::File;
 use std::io::{Cursor, Write};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use farlight_btf_codec::{Angles, ImageBtf, Query, linear, read, srgb_encode};
+use farlight_btf_codec::{
+    Angles, ImageBtf, Query, Resampled, Rules, compress, linear, read, srgb_encode,
+};
 use image::{ImageFormat, RgbImage};
 use zip::write::SimpleFileOptions;
 
@@ -250,4 +253,42 @@ fn what_is_no_material_is_described() {
     assert!(message.contains("begins with \"nothing\""), "{message}");
     let message = error(&folder.path().join("none"));
     assert!(message.contains("none"), "{message}");
+}
+
+/// Lambertian pictures become Lambertian tables.
+#[test]
+fn resampled_pictures_are_compressed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("white.zip");
+    let level = |theta: u32| {
+        let cosine = f64::from(theta).to_radians().cos() as f32;
+        (255.0 * srgb_encode(cosine)).round() as u8
+    };
+    let mut entries = Vec::new();
+    for view in grid() {
+        for light in grid() {
+            let picture = RgbImage::from_pixel(3, 2, image::Rgb([level(light.0); 3]));
+            let name =
+                format!("tl{:03} pl{:03} tv{:03} pv{:03}.png", light.0, light.1, view.0, view.1);
+            entries.push((name, png(&picture)));
+        }
+    }
+    archive(&path, &entries);
+    let images = opened(&path);
+    let mut source = Resampled::new(&images, compress::Grid::default());
+    let settings =
+        compress::Settings { quality: compress::Quality::Error(1.0), ..Default::default() };
+    let done = compress::compress(&mut source, &settings, &mut |_| ControlFlow::Continue(()));
+    let compressed = done.unwrap().unwrap();
+    println!("{:?}", compressed.report);
+    let btf = compressed.into_btf(images.info().clone()).unwrap();
+    assert_eq!(btf.size(), [3, 2]);
+    // Along the slice through the normal, at the samples of alpha: one step of the pictures, and the
+    // chord of the cosine over 15 degrees (1 - cos 7.5 degrees), encoded.
+    for theta in [0.0, 18.0, 36.0, 54.0] {
+        let angles = Angles::from_degrees(theta, 0.0, 30.0, 0.0);
+        let value = btf.evaluate(1, 1, angles, Rules::default());
+        let expected = 255.0 * srgb_encode(theta.to_radians().cos() as f32);
+        assert!((value - expected).abs().max_element() < 3.0, "{theta}: {value} {expected}");
+    }
 }

@@ -139,7 +139,11 @@ fn evaluate_file(
 /// The query as evaluators have it: the texel wrapped into `size`.
 fn resolve(query: &Asked, size: [u32; 2]) -> Query {
     let wrap = |at: i64, size: u32| at.rem_euclid(i64::from(size)) as i32;
+    // Below 0 is the other side of the normal.
+    let side =
+        |theta: f64, phi: f64| if theta < 0.0 { (-theta, phi + 180.0) } else { (theta, phi) };
     let [theta_i, phi_i, theta_v, phi_v] = query.degrees;
+    let ((theta_i, phi_i), (theta_v, phi_v)) = (side(theta_i, phi_i), side(theta_v, phi_v));
     let angles = Angles::from_degrees(theta_i, phi_i, theta_v, phi_v);
     Query { x: wrap(query.x, size[0]), y: wrap(query.y, size[1]), angles }
 }

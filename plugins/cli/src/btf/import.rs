@@ -1,16 +1,21 @@
 //! `farlight btf import`: any material into the suite's own file.
 
-use std::path::PathBuf;
+use std::{ops::ControlFlow, path::PathBuf};
 
-use farlight_btf_codec::{Info, read::Material};
+use farlight_btf_codec::{
+    Btf, ImageBtf, Info, Resampled,
+    compress::{Grid, Quality, Settings, compress},
+    read::Material,
+};
 
 use super::Source;
-use crate::{error::CliError, output::WholeFile};
+use crate::{error::CliError, output::WholeFile, progress};
 
 /// Convert a material into an .fbtf file, which the plugins load
 ///
 /// The file holds the tables as shaders read them, with a checksum; it is read in place, without
-/// unpacking. Values stay the same.
+/// unpacking. Values of tables stay the same; measured pictures are compressed, which takes minutes
+/// for a set of 6561 pictures of 256 x 256 texels.
 #[derive(clap::Args)]
 #[command(after_help = materials!())]
 pub(crate) struct Args {
@@ -22,6 +27,20 @@ pub(crate) struct Args {
     /// Width and height of the picture on the real surface in metres
     #[arg(long, value_name = "W,H", value_parser = parse_size)]
     size_m: Option<[f32; 2]>,
+    /// For measured pictures, which are compressed: the root mean square error that a texel may have
+    /// over all directions, in 1 of 255
+    #[arg(long, value_name = "E", default_value_t = 6.0, value_parser = parse_error)]
+    error: f32,
+}
+
+/// A number above 0.
+fn parse_error(text: &str) -> Result<f32, String> {
+    let error: f32 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if error.is_finite() && error > 0.0 {
+        Ok(error)
+    } else {
+        Err("must be finite and above 0".to_owned())
+    }
 }
 
 /// Two lengths with a comma, above 0.
@@ -45,12 +64,7 @@ pub(crate) fn run(args: &Args) -> Result<(), CliError> {
     drop(WholeFile::create(&args.out)?);
     let btf = match args.source.open()? {
         Material::Tables(btf) => btf,
-        Material::Images(_) => {
-            return Err(CliError::new(format!(
-                "{}: measured pictures must be compressed, which this build can't yet",
-                args.source.path.display()
-            )));
-        }
+        Material::Images(images) => compressed(&images, args.error)?,
     };
     args.source.warn(btf.info());
     let btf = match args.size_m {
@@ -69,6 +83,30 @@ pub(crate) fn run(args: &Args) -> Result<(), CliError> {
         std::fs::metadata(&args.out).map_or(0, |data| data.len())
     );
     Ok(())
+}
+
+/// Measured pictures as tables.
+fn compressed(images: &ImageBtf, error: f32) -> Result<Btf, CliError> {
+    let settings = Settings { quality: Quality::Error(error), ..Settings::default() };
+    let bar = progress::bar(1000, "compressed");
+    let mut advance = |done: f32| {
+        bar.set_position((1000.0 * done) as u64);
+        ControlFlow::Continue(())
+    };
+    let mut source = Resampled::new(images, Grid::default());
+    let compressed =
+        compress(&mut source, &settings, &mut advance)?.ok_or_else(|| CliError::new("stopped"))?;
+    bar.finish_and_clear();
+    let report = compressed.report;
+    println!(
+        "compressed: root mean square error {:.2} of 255 ({:.1} dB), worst texel {:.2}",
+        report.error,
+        report.psnr(),
+        report.worst_texel
+    );
+    let mut info = images.info().clone();
+    info.remarks.push(format!("compressed with an error of {:.2} of 255", report.error));
+    Ok(compressed.into_btf(info)?)
 }
 
 #[cfg(test)]

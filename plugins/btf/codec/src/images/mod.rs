@@ -1,6 +1,7 @@
 //! A material as it was measured: a picture for each pair of directions of view and light.
 
 mod hemisphere;
+mod resample;
 mod store;
 
 use std::collections::BTreeMap;
@@ -14,6 +15,7 @@ use self::hemisphere::Hemisphere;
 use self::store::Store;
 use crate::{Angles, BtfError, Info, Query, linear, srgb_encode};
 
+pub use resample::Resampled;
 pub use store::Picture;
 pub(crate) use store::Source;
 
@@ -245,7 +247,7 @@ fn light(picture: &Picture, place: usize) -> Vec3 {
 }
 
 /// Linear light of 8-bit values.
-pub(crate) static LINEAR: LazyLock<[f32; 256]> =
+static LINEAR: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|value| linear(value as f32 / 255.0)));
 
 fn encode(light: Vec3) -> Vec3 {
