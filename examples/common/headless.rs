@@ -21,6 +21,7 @@ use bevy::{
         pipelined_rendering::PipelinedRenderingPlugin,
         render_resource::TextureFormat,
         renderer::RenderAdapterInfo,
+        settings::{RenderCreation, WgpuSettings},
         view::screenshot::{Screenshot, ScreenshotCaptured},
     },
     time::TimeUpdateStrategy,
@@ -69,6 +70,19 @@ impl Headless {
         assets: &Path,
         configure: impl FnOnce(&mut App),
     ) -> Result<Self, String> {
+        Self::on(WgpuSettings::default(), size, assets, configure)
+    }
+
+    /// The same on a device that is asked for as `settings` say.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn on(
+        settings: WgpuSettings,
+        size: UVec2,
+        assets: &Path,
+        configure: impl FnOnce(&mut App),
+    ) -> Result<Self, String> {
         let mut app = App::new();
         let mut plugins = DefaultPlugins
             .build()
@@ -77,7 +91,11 @@ impl Headless {
                 exit_condition: ExitCondition::DontExit,
                 ..default()
             })
-            .set(RenderPlugin { synchronous_pipeline_compilation: true, ..default() })
+            .set(RenderPlugin {
+                render_creation: RenderCreation::Automatic(Box::new(settings)),
+                synchronous_pipeline_compilation: true,
+                ..default()
+            })
             .set(AssetPlugin {
                 file_path: assets.display().to_string(),
                 // Files of the person who runs it lie anywhere.

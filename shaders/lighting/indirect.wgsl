@@ -3,7 +3,7 @@
 
 #define_import_path farlight::lighting::indirect
 
-#import bevy_pbr::mesh_view_bindings::lights as view_lights
+#import bevy_pbr::{lighting::F_AB, mesh_view_bindings::lights as view_lights}
 #import farlight::lighting::surface::Surface
 
 #ifdef LIGHTMAP
@@ -49,15 +49,17 @@ fn diffuse_light(
     ambient = view_lights.ambient_light_affects_lightmapped_meshes != 0u;
 #else
 #ifdef IRRADIANCE_VOLUME
-    light.open = irradiance_volume_light(
-        (*surface).world_position.xyz, normal, &(*surface).ranges,
-    );
+    // A copy: naga 29 has no pointers into what a pointer points to.
+    var ranges = (*surface).ranges;
+    light.open = irradiance_volume_light((*surface).world_position.xyz, normal, &ranges);
     // Outside of all volumes there is nothing of them.
     light.environment = all(light.open == vec3(0.0));
 #endif
 #endif
     if ambient {
-        light.open += view_lights.ambient_color.rgb;
+        // Bevy's measure for ambient light on white, about one half of what white would reflect.
+        let scale = F_AB(1.0, max(dot(normal, (*surface).to_camera), 0.0001));
+        light.open += view_lights.ambient_color.rgb * (scale.x + scale.y);
     }
     return light;
 }
@@ -76,9 +78,8 @@ fn environment_radiance(
     layer.NdotV = 1.0;
     layer.perceptual_roughness = perceptual_roughness;
     layer.roughness = perceptualRoughnessToRoughness(perceptual_roughness);
-    return compute_radiances(
-        layer, &(*surface).ranges, (*surface).world_position.xyz, true,
-    ).radiance;
+    var ranges = (*surface).ranges;
+    return compute_radiances(layer, &ranges, (*surface).world_position.xyz, true).radiance;
 #else
     return vec3(0.0);
 #endif

@@ -55,7 +55,7 @@ mod tables;
 
 use bevy::{
     asset::AssetEventSystems,
-    pbr::{MaterialPlugin, PbrPlugin},
+    pbr::{MaterialPlugin, PbrPlugin, check_entities_needing_specialization},
     prelude::*,
     render::{
         ExtractSchedule, GpuResourceAppExt, Render, RenderApp, RenderSystems,
@@ -102,6 +102,10 @@ impl Plugin for BtfPlugin {
             MaterialPlugin::<BtfMaterial>::default(),
             ExtractResourcePlugin::<BtfSettings>::default(),
         ));
+        app.add_systems(
+            PostUpdate,
+            material::notice_lightmaps.before(check_entities_needing_specialization::<BtfMaterial>),
+        );
         let prepare = prepare_erased_assets::<MeshMaterial3d<BtfMaterial>>;
         if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
             render_app

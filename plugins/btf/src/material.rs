@@ -5,7 +5,10 @@ use bevy::{
     ecs::system::{SystemParamItem, lifetimeless::SRes},
     math::Vec2,
     mesh::MeshVertexBufferLayoutRef,
-    pbr::{MATERIAL_BIND_GROUP_INDEX, Material, MaterialPipeline, MaterialPipelineKey},
+    pbr::{
+        Lightmap, MATERIAL_BIND_GROUP_INDEX, Material, MaterialPipeline, MaterialPipelineKey,
+        MeshPipelineKey,
+    },
     prelude::*,
     reflect::TypePath,
     render::{
@@ -131,6 +134,11 @@ impl Material for BtfMaterial {
             descriptor.primitive.cull_mode = None;
         }
         if let Some(fragment) = &mut descriptor.fragment {
+            // A lightmap holds the environment already, and Bevy 0.19.1 can't compile the two
+            // together where binding arrays are missing.
+            if key.mesh_key.contains(MeshPipelineKey::LIGHTMAPPED) {
+                fragment.shader_defs.retain(|def| *def != "ENVIRONMENT_MAP".into());
+            }
             let number = |name: &str, value: u32| ShaderDefVal::UInt(name.into(), value);
             fragment.shader_defs.extend([
                 number("BTF_GROUP", MATERIAL_BIND_GROUP_INDEX as u32),
@@ -139,5 +147,19 @@ impl Material for BtfMaterial {
             ]);
         }
         Ok(())
+    }
+}
+
+/// Bevy finds another pipeline for a mesh when its material changes, not when its lightmap comes or
+/// goes; without one, it would draw the mesh with bindings that are not there.
+pub(crate) fn notice_lightmaps(
+    mut materials: Query<&mut MeshMaterial3d<BtfMaterial>>,
+    new: Query<Entity, (With<MeshMaterial3d<BtfMaterial>>, Added<Lightmap>)>,
+    mut gone: RemovedComponents<Lightmap>,
+) {
+    for entity in new.iter().chain(gone.read()) {
+        if let Ok(mut material) = materials.get_mut(entity) {
+            material.set_changed();
+        }
     }
 }

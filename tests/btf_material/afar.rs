@@ -1,0 +1,107 @@
+//! Materials seen from afar, and measured ones to look at.
+
+use std::path::Path;
+
+use farlight::btf::codec::{ColourSpace, Info, References, Samples, Scaled, Tables, read};
+
+use crate::*;
+
+/// Black and white texels by turns, the same from everywhere.
+fn checker(edge: u32) -> Btf {
+    let rows = |columns: usize, index: Vec<u32>, scale: f32| Scaled {
+        columns,
+        scale: vec![scale; index.len()],
+        index,
+        range: None,
+    };
+    let columns = edge as usize;
+    let texels = (0..edge * edge).map(|at| (at % edge + at / edge) % 2).collect();
+    let tables = Tables {
+        colour_space: ColourSpace::YCbCr,
+        beta_uniform_in_sine: false,
+        texels: rows(1, texels, 1.0),
+        azimuths: rows(1, vec![0, 1], 1.0),
+        elevations: rows(2, vec![0, 0, 1, 1], 1.0),
+        slices: References { columns: 2, index: vec![0, 0, 1, 0] },
+        // Video luma of white and black; both samples over beta are one half.
+        luminances: Scaled {
+            columns: 2,
+            index: vec![0; 4],
+            scale: vec![470.0, 470.0, 32.0, 32.0],
+            range: None,
+        },
+        shapes: Samples { columns: 2, value: vec![0.5; 2], range: None },
+        chromas: References { columns: 2, index: vec![0; 2] },
+        colour_rows: References { columns: 2, index: vec![0; 2] },
+        colours: Samples { columns: 2, value: vec![128.0; 2], range: None },
+    };
+    Btf::new(Info::default(), columns, &tables).unwrap()
+}
+
+/// One texel and one pixel meet at another place everywhere: without coarser pictures every pixel
+/// would be black or white.
+#[test]
+fn what_is_small_does_not_flicker() {
+    let mut stage = Stage::new();
+    stage.float_camera(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 2.0);
+    stage.spawn((
+        DirectionalLight { illuminance: std::f32::consts::PI, ..default() },
+        Transform::from_xyz(0.0, 0.0, 1.0).looking_at(Vec3::ZERO, Vec3::Y),
+    ));
+    let btf = stage.btf(checker(16));
+    let material = stage.material(BtfMaterial {
+        // Nearly seven texels a pixel.
+        repeat: Vec2::splat(27.3),
+        ..BtfMaterial::new(btf)
+    });
+    let square = stage.mesh(Rectangle::new(2.0, 2.0));
+    stage.spawn((Mesh3d(square), material));
+    stage.settle();
+    let pixels = stage.floats();
+    let mean = pixels.iter().map(|pixel| pixel.x).sum::<f32>() / pixels.len() as f32;
+    let variance =
+        pixels.iter().map(|pixel| (pixel.x - mean).powi(2)).sum::<f32>() / pixels.len() as f32;
+    println!("checker from afar: mean {mean:.3}, deviation {:.3}", variance.sqrt());
+    // Linear light is joined, not codes: half of white.
+    assert!((mean - 0.5).abs() < 0.03 && variance.sqrt() < 0.1, "{mean}, {}", variance.sqrt());
+}
+
+/// Pictures in the target folder for a person to look at.
+#[test]
+fn measured_materials_are_shown() {
+    let Some(data) = std::env::var_os("FARLIGHT_TEST_DATA") else {
+        println!("SKIPPED: FARLIGHT_TEST_DATA does not name a folder of measured data");
+        return;
+    };
+    for name in ["alu", "wallpaper", "corduroy"] {
+        let folder = Path::new(&data).join("btfbase").join(name);
+        let Ok(read::Material::Tables(btf)) = read::open(&folder, &read::Options::default()) else {
+            println!("SKIPPED: no {name} in {}", folder.display());
+            continue;
+        };
+        let mut stage = Stage::new();
+        stage.camera(Vec3::new(0.0, 1.2, 3.2), Vec3::new(0.0, 0.35, 0.0), 0.0);
+        stage.spawn((
+            PointLight {
+                intensity: 4.0 * std::f32::consts::PI * 60.0,
+                shadow_maps_enabled: true,
+                ..default()
+            },
+            Transform::from_xyz(2.0, 3.0, 2.0),
+        ));
+        stage.world().resource_mut::<GlobalAmbientLight>().brightness = 0.2;
+        let btf = stage.btf(btf);
+        let ball = stage
+            .material(BtfMaterial { repeat: Vec2::new(4.0, 2.0), ..BtfMaterial::new(btf.clone()) });
+        let floor =
+            stage.material(BtfMaterial { repeat: Vec2::splat(4.0), ..BtfMaterial::new(btf) });
+        let mesh = stage.mesh(Sphere::new(0.7).mesh().uv(64, 48));
+        stage.spawn((Mesh3d(mesh), ball, Transform::from_xyz(0.0, 0.7, 0.0)));
+        let mesh = stage.mesh(Plane3d::default().mesh().size(8.0, 8.0));
+        stage.spawn((Mesh3d(mesh), floor));
+        stage.settle();
+        let picture = stage.picture();
+        stage.save(&picture, name);
+        assert_eq!(picture.problem(), None, "{name}");
+    }
+}
