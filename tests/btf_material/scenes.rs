@@ -277,7 +277,7 @@ fn lightmaps() {
     let light =
         DirectionalLight { illuminance: PI, affects_lightmapped_mesh_diffuse: false, ..default() };
     let down = Transform::from_xyz(0.0, 1.0, 0.0).looking_at(Vec3::ZERO, Vec3::X);
-    let sun = scene.stage.spawn((light.clone(), down));
+    let sun = scene.stage.spawn((light, down));
     scene.assert_middle(0.4, "lightmap that holds the sun");
     let light = DirectionalLight { affects_lightmapped_mesh_diffuse: true, ..light };
     scene.stage.world().entity_mut(sun).insert(light);
