@@ -2,11 +2,11 @@
 
 use crate::args::Args;
 use crate::setup::{self, Purpose};
-use crate::{Failure, environment, process, reference, soak};
+use crate::{Failure, demo, environment, process, reference, soak};
 
 pub(crate) const HELP: &str = "\
 cargo xtask bench [tracing] [--no-install] [-- OPTIONS]
-cargo xtask bench btf [--gpu] [--json FILE] [--no-install] [-- OPTIONS]
+cargo xtask bench btf [--gpu | --frames] [--json FILE] [--no-install] [-- OPTIONS]
 cargo xtask bench reference [--samples N] [--no-install]
 cargo xtask bench soak [server | demo] [--minutes N | --seconds N] [--no-install]
 
@@ -19,6 +19,8 @@ cargo xtask bench soak [server | demo] [--minutes N | --seconds N] [--no-install
                  counts, for a busy machine
   btf --gpu      nanoseconds a value in a compute kernel, for views under one and more lights, beside
                  one core
+  btf --frames   the time of a frame that a measured material fills, under one and five lights, over
+                 that of StandardMaterial in the same run
   reference      bakes two scenes and compares irradiance, probes and visibility with those of an
                  independent renderer, in the folder that FARLIGHT_TEST_DATA names
   soak server    runs `farlight serve` and clients that come, get light, leave in every way, come back
@@ -50,12 +52,15 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
             process::run(&mut cargo)
         }
         Some("btf") => {
-            let gpu = args.flag("--gpu");
+            let (gpu, frames) = (args.flag("--gpu"), args.flag("--frames"));
             let json = args.value("--json")?;
             let rest = args.finish()?;
             let purposes = [Purpose::Build, Purpose::Render];
-            setup::prepare(&purposes[..if gpu { 2 } else { 1 }], install);
+            setup::prepare(&purposes[..if gpu || frames { 2 } else { 1 }], install);
             println!("{}", environment::test_data_line());
+            if frames {
+                return btf_frames(json.as_deref(), &rest);
+            }
             let mut cargo = process::cargo();
             if gpu {
                 // The driver's work is measured, which the profile does not change.
@@ -106,4 +111,27 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
             Err(format!("there is no benchmark '{other}': tracing, btf, reference, soak."))
         }
     }
+}
+
+/// Builds and runs the example that times frames.
+fn btf_frames(json: Option<&str>, rest: &[String]) -> Result<(), Failure> {
+    let mut cargo = process::cargo();
+    cargo.args(["build", "--workspace", "--example", "btf_frame_time"]);
+    cargo.arg("--message-format=json-render-diagnostics");
+    let mut program = None;
+    let built = process::run_by_line(&mut cargo, |line| {
+        let found = demo::executable(line);
+        program = found
+            .filter(|p| p.file_stem().is_some_and(|n| n == "btf_frame_time"))
+            .or(program.take());
+    })?;
+    let Some(program) = program.filter(|_| built) else {
+        return Err("the example btf_frame_time does not build (see above).".to_owned());
+    };
+    let mut command = std::process::Command::new(program);
+    environment::for_headless(&mut command);
+    if let Some(file) = json {
+        command.args(["--json", file]);
+    }
+    process::run(command.args(rest))
 }
