@@ -6,7 +6,7 @@ use naga_oil::compose::{
     ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue,
 };
 
-use crate::MODULES;
+use crate::{MODULES, Module};
 
 /// A shader definition: what `#ifdef NAME` and `#{NAME}` refer to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,8 +45,31 @@ pub fn compose(path: &str, definitions: &[Definition]) -> Result<naga::Module, C
     if !module.pure {
         return Err(ComposeError::Engine(module.path));
     }
+    join(&MODULES[..position], module.source, module.path, definitions)
+}
+
+/// A module of your own joined with the pure modules that it imports, and validated; `path` stands
+/// in errors.
+///
+/// # Errors
+///
+/// Modules that are wrong under these definitions.
+pub fn compose_source(
+    source: &str,
+    path: &str,
+    definitions: &[Definition],
+) -> Result<naga::Module, ComposeError> {
+    join(MODULES, source, path, definitions)
+}
+
+fn join(
+    modules: &[Module],
+    source: &str,
+    path: &str,
+    definitions: &[Definition],
+) -> Result<naga::Module, ComposeError> {
     let mut composer = Composer::default();
-    for imported in MODULES[..position].iter().filter(|module| module.pure) {
+    for imported in modules.iter().filter(|module| module.pure) {
         if !imported.source.contains("#define_import_path") {
             continue; // a kernel
         }
@@ -68,8 +91,8 @@ pub fn compose(path: &str, definitions: &[Definition]) -> Result<naga::Module, C
         .collect();
     composer
         .make_naga_module(NagaModuleDescriptor {
-            source: module.source,
-            file_path: module.path,
+            source,
+            file_path: path,
             shader_defs,
             ..NagaModuleDescriptor::default()
         })

@@ -9,7 +9,7 @@
 mod compose;
 
 #[cfg(feature = "compose")]
-pub use compose::{ComposeError, Definition, compose};
+pub use compose::{ComposeError, Definition, compose, compose_source};
 /// The version of what [`compose`] gives.
 #[cfg(feature = "compose")]
 pub use naga;

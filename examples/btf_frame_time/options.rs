@@ -14,7 +14,7 @@ MATERIAL is an .fbtf file or a BTFbase binary; without it: wallpaper in the fold
 FARLIGHT_TEST_DATA names, or a made one.
 
 OPTIONS
-    --size WxH      pixels (default 512x512)
+    --size WxH      pixels (default 256x256)
     --rounds N      frames that count, of each subject (default 15)
     --fastest       the fastest frames count instead of the medians: for a busy machine
     --json FILE     the figures for programs, too
@@ -34,7 +34,7 @@ impl Options {
     pub(crate) fn from_args() -> Result<Self, String> {
         let mut options = Self {
             material: None,
-            size: UVec2::splat(512),
+            size: UVec2::splat(256),
             rounds: 15,
             fastest: false,
             json: None,

@@ -1,4 +1,5 @@
 use glam::Vec3;
+use wgpu::util::DeviceExt;
 
 use super::{Gpu, GpuError, GpuEvaluator};
 use crate::{Angles, Query, Rules, SliceAngles, synthetic};
@@ -84,4 +85,85 @@ fn a_lost_device_is_an_error() {
     }
     let error = GpuEvaluator::new(&gpu, &btf, Rules::SHADING);
     assert!(matches!(error, Err(GpuError::Lost { .. })), "{:?}", error.err());
+}
+
+/// What `shaders/math.wgsl` says of its errors holds on this device.
+#[test]
+fn elementary_functions_are_as_exact_as_they_say() {
+    const SOURCE: &str = "
+        #import farlight::math::{arc_cosine, arc_sine, arc_tangent, sine_cosine}
+        @group(0) @binding(0) var<storage, read> input: array<vec2<f32>>;
+        @group(0) @binding(1) var<storage, read_write> output: array<vec4<f32>>;
+        @compute @workgroup_size(64)
+        fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+            if id.x >= arrayLength(&input) { return; }
+            let p = input[id.x];
+            let turn = sine_cosine(10.0 * p.x);
+            output[2u * id.x] = vec4(arc_tangent(p.y, p.x), arc_sine(p.x), arc_cosine(p.x), 0.0);
+            output[2u * id.x + 1u] = vec4(turn, 0.0, 0.0);
+        }";
+    let Some(gpu) = gpu() else { return };
+    let points: Vec<[f32; 2]> = (0..=400)
+        .flat_map(|at| [-1.0_f32, -0.5, -1e-4, 0.0, 1e-6, 0.2, 1.0].map(|y| [at as f32 / 200.0 - 1.0, y]))
+        .collect();
+    let module = farlight_shaders::compose_source(SOURCE, "test", &[]).unwrap();
+    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: None,
+        source: wgpu::ShaderSource::Naga(std::borrow::Cow::Owned(module)),
+    });
+    let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: None,
+        module: &module,
+        entry_point: None,
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    });
+    let input = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: None,
+        contents: bytemuck::cast_slice(&points),
+        usage: wgpu::BufferUsages::STORAGE,
+    });
+    use wgpu::BufferUsages as Usage;
+    let bytes = (points.len() * 32) as u64;
+    let [output, read] = [Usage::STORAGE | Usage::COPY_SRC, Usage::COPY_DST | Usage::MAP_READ]
+        .map(|usage| {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size: bytes,
+                usage,
+                mapped_at_creation: false,
+            })
+        });
+    let bindings = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[(0, &input), (1, &output)].map(|(binding, buffer)| wgpu::BindGroupEntry {
+            binding,
+            resource: buffer.as_entire_binding(),
+        }),
+    });
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &bindings, &[]);
+        pass.dispatch_workgroups(points.len().div_ceil(64) as u32, 1, 1);
+    }
+    encoder.copy_buffer_to_buffer(&output, 0, &read, 0, bytes);
+    gpu.queue.submit([encoder.finish()]);
+    let found = gpu.read::<[f32; 8]>(&read, bytes).unwrap();
+    let mut worst = [0.0_f64; 5];
+    for ([x, y], found) in points.iter().zip(&found) {
+        let (x, y) = (f64::from(*x), f64::from(*y));
+        let (sine, cosine) = f64::from(10.0 * x as f32).sin_cos();
+        let expected = [y.atan2(x), x.asin(), x.acos(), sine, cosine];
+        let found = [found[0], found[1], found[2], found[4], found[5]];
+        for (worst, (found, expected)) in worst.iter_mut().zip(found.into_iter().zip(expected)) {
+            *worst = worst.max((f64::from(found) - expected).abs());
+        }
+    }
+    println!("arc tangent, sine, cosine; sine, cosine: {worst:.1e?}");
+    // The fits' own errors, and a unit in the last place of an angle of pi at each of three steps.
+    assert!(worst.iter().all(|worst| *worst <= 1.2e-6), "{worst:?}");
 }
