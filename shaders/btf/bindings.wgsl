@@ -4,14 +4,11 @@
 
 #import farlight::btf::layout::Layout
 
-// Bits of `flags`.
-const NEAREST: u32 = 1u;
-
 struct Entry {
     btf: Layout,
     repeat: vec2<f32>,
     gain: f32,
-    flags: u32,
+    environment_directions: u32,
     // Tables of texels at half, quarter, .. size, one after the other: first word, ...
     coarse_offset: u32,
     // ... how many, ...
@@ -19,12 +16,10 @@ struct Entry {
     // ... and the factors in them; indices have as many bits as those of the texels.
     coarse_min: f32,
     coarse_step: f32,
-    environment_directions: u32,
     albedo_directions: u32,
     mean_red: f32,
     mean_green: f32,
     mean_blue: f32,
-    reserved: u32,
 }
 
 #if AVAILABLE_STORAGE_BUFFER_BINDINGS >= 8

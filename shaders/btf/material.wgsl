@@ -16,7 +16,7 @@
 #import bevy_render::maths::PI
 #import farlight::lighting::{
     frame::{Frame, from_frame, tangent_frame, to_frame},
-    indirect::{ambient_occlusion, diffuse_light, environment_radiance},
+    indirect::{DiffuseLight, ambient_occlusion, diffuse_light, environment_radiance},
     lights::{Light, lights_begin, lights_next},
     shadow_maps::visibility,
     surface::{Surface, surface_of_fragment},
@@ -80,68 +80,96 @@ fn reflected(in: VertexOutput, surface: ptr<function, Surface>, frame: Frame) ->
     var taps = find_taps(&entry, footprint, to_camera);
     let view_azimuth = unit_azimuth(to_camera);
 
+    let around = surroundings_of(in, surface, frame, &entry);
+    // A mirror of this roughness sees about the solid angle of one direction, 2 pi / count.
+    let blur = sqrt(sqrt(1.0 / f32(max(around.count, 1u))));
     var direct = vec3(0.0);
+    var albedo = vec3(0.0);
+    var environment = vec3(0.0);
+
+    // Lights first, then directions all round: one loop, so that the longest part of the program is
+    // in it once, left at its end, since drivers that compute on the processor go through the body
+    // once more after a condition at its beginning fails.
     var lights = lights_begin(surface);
     var light: Light;
-    while lights_next(&lights, surface, &light) {
-        let direction = to_frame(frame, light.direction);
-        if direction.z <= 0.0 || !light.diffuse {
-            continue;
+    var is_light = lights_next(&lights, surface, &light);
+    var k = 0u;
+    loop {
+        var direction = vec3(0.0, 0.0, 1.0);
+        var share = vec3(0.0);
+        if is_light {
+            direction = to_frame(frame, light.direction);
+            if direction.z > 0.0 && light.diffuse {
+                share = light.irradiance * (visibility(surface, &light) / PI);
+            }
+        } else if k < around.count {
+            direction = direction_all_round(k, around.count);
+            share = vec3(2.0 / f32(around.count));
         }
-        let seen = visibility(surface, &light);
-        if seen > 0.0 {
-            direct += light.irradiance * seen
-                * reflectance(entry.btf, &taps, slice_of_direction(direction, view_azimuth));
+        if any(share > vec3(0.0)) {
+            let value =
+                share * reflectance(entry.btf, &taps, slice_of_direction(direction, view_azimuth));
+            if is_light {
+                direct += value;
+            } else {
+                albedo += value;
+                if around.environment {
+                    environment +=
+                        value * environment_radiance(surface, from_frame(frame, direction), blur);
+                }
+            }
+        }
+        if is_light {
+            is_light = lights_next(&lights, surface, &light);
+        } else {
+            k++;
+        }
+        if !is_light && k >= around.count {
+            break;
         }
     }
-    return entry.gain
-        * (direct / PI + indirect(in, surface, frame, &entry, &taps, view_azimuth));
+    let occlusion = ambient_occlusion(surface, albedo);
+    return entry.gain * (direct + albedo * (around.light.baked + around.light.open * occlusion)
+        + environment * occlusion);
 }
 
-// Light from all round, met at directions of equal solid angle, the same for each fragment. Heights
-// are the middles of equal steps, which makes the sum exact for diffuse surfaces.
-fn indirect(
+// Light from all round, and at how many directions it is met.
+struct Surroundings {
+    light: DiffuseLight,
+    count: u32,
+    environment: bool,
+}
+
+fn surroundings_of(
     in: VertexOutput,
     surface: ptr<function, Surface>,
     frame: Frame,
     entry: ptr<function, Entry>,
-    taps: ptr<function, Taps>,
-    view_azimuth: vec2<f32>,
-) -> vec3<f32> {
+) -> Surroundings {
+    var around: Surroundings;
 #ifdef VERTEX_UVS_B
-    let light = diffuse_light(surface, frame.normal, in.uv_b, in.instance_index);
+    around.light = diffuse_light(surface, frame.normal, in.uv_b, in.instance_index);
 #else
-    let light = diffuse_light(surface, frame.normal, vec2(0.0), in.instance_index);
+    around.light = diffuse_light(surface, frame.normal, vec2(0.0), in.instance_index);
 #endif
-    var count = (*entry).albedo_directions;
-    var environment = false;
+    if any(around.light.baked + around.light.open > vec3(0.0)) {
+        around.count = (*entry).albedo_directions;
+    }
 #ifdef ENVIRONMENT_MAP
-    environment = light.environment;
-    if environment {
-        count = (*entry).environment_directions;
+    around.environment = around.light.environment;
+    if around.environment {
+        around.count = (*entry).environment_directions;
     }
 #endif
-    if !environment && all(light.baked + light.open == vec3(0.0)) {
-        return vec3(0.0);
-    }
-    // A mirror of this roughness sees about the solid angle of one direction, 2 pi / count.
-    let blur = sqrt(sqrt(1.0 / f32(count)));
-    var albedo = vec3(0.0);
-    var surroundings = vec3(0.0);
-    for (var k = 0u; k < count; k++) {
-        let height = (f32(k) + 0.5) / f32(count);
-        let turn = GOLDEN_ANGLE * f32(k);
-        let direction = vec3(sqrt(1.0 - height * height) * vec2(cos(turn), sin(turn)), height);
-        let value = (2.0 / f32(count))
-            * reflectance((*entry).btf, taps, slice_of_direction(direction, view_azimuth));
-        albedo += value;
-        if environment {
-            surroundings +=
-                value * environment_radiance(surface, from_frame(frame, direction), blur);
-        }
-    }
-    let occlusion = ambient_occlusion(surface, albedo);
-    return albedo * (light.baked + light.open * occlusion) + surroundings * occlusion;
+    return around;
+}
+
+// Directions of equal solid angle, the same for each fragment. Heights are the middles of equal
+// steps, which makes sums exact for diffuse surfaces.
+fn direction_all_round(k: u32, count: u32) -> vec3<f32> {
+    let height = (f32(k) + 0.5) / f32(count);
+    let turn = GOLDEN_ANGLE * f32(k);
+    return vec3(sqrt(1.0 - height * height) * vec2(cos(turn), sin(turn)), height);
 }
 
 #else

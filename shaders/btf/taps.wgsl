@@ -9,17 +9,19 @@
 #import bevy_pbr::utils::interleaved_gradient_noise
 #import farlight::btf::{
     angles::{SliceAngles, azimuth, elevation},
-    bindings::{Entry, NEAREST},
+    bindings::Entry,
     evaluate::{LightCell, ViewSlices, light_cell, linear_value, slice_value, view_slices},
     layout::Layout,
 }
 
 struct Taps {
     a: ViewSlices,
+#ifndef BTF_NEAREST
     b: ViewSlices,
     c: ViewSlices,
     d: ViewSlices,
     weights: vec4<f32>,
+#endif
 }
 
 // How the picture lies on the screen: UVs times the repetitions, and their derivatives.
@@ -39,11 +41,9 @@ fn find_taps(entry: ptr<function, Entry>, footprint: Footprint, direction: vec3<
     let place = footprint.uv * size;
 
     var taps: Taps;
-    if ((*entry).flags & NEAREST) != 0u {
-        taps.a = view_slices(btf, wrapped(floor(place), size), theta, phi);
-        taps.weights = vec4(1.0, 0.0, 0.0, 0.0);
-        return taps;
-    }
+#ifdef BTF_NEAREST
+    taps.a = view_slices(btf, wrapped(floor(place), size), theta, phi);
+#else
     let corner = floor(place - 0.5);
     let near = place - 0.5 - corner;
     let far = 1.0 - near;
@@ -52,19 +52,21 @@ fn find_taps(entry: ptr<function, Entry>, footprint: Footprint, direction: vec3<
     taps.b = view_slices(btf, wrapped(corner + vec2(1.0, 0.0), size), theta, phi);
     taps.c = view_slices(btf, wrapped(corner + vec2(0.0, 1.0), size), theta, phi);
     taps.d = view_slices(btf, wrapped(corner + vec2(1.0, 1.0), size), theta, phi);
+#endif
     return taps;
 }
 
 // Reflected light for a light from a direction, 1 for a white diffuse surface that faces it.
 fn reflectance(btf: Layout, taps: ptr<function, Taps>, light: SliceAngles) -> vec3<f32> {
     let cell = light_cell(btf, light);
-    var sum = (*taps).weights.x * tap(btf, (*taps).a, cell);
-    if (*taps).weights.x < 1.0 {
-        sum += (*taps).weights.y * tap(btf, (*taps).b, cell)
-            + (*taps).weights.z * tap(btf, (*taps).c, cell)
-            + (*taps).weights.w * tap(btf, (*taps).d, cell);
-    }
-    return sum;
+#ifdef BTF_NEAREST
+    return tap(btf, (*taps).a, cell);
+#else
+    return (*taps).weights.x * tap(btf, (*taps).a, cell)
+        + (*taps).weights.y * tap(btf, (*taps).b, cell)
+        + (*taps).weights.z * tap(btf, (*taps).c, cell)
+        + (*taps).weights.w * tap(btf, (*taps).d, cell);
+#endif
 }
 
 fn tap(btf: Layout, slices: ViewSlices, cell: LightCell) -> vec3<f32> {

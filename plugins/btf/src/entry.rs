@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use farlight_btf_codec::Layout;
 
-use crate::{BtfFilter, BtfMaterial, loading::Prepared, settings::Directions};
+use crate::{BtfMaterial, loading::Prepared, settings::Directions};
 
 /// One element of the buffer of entries.
 #[repr(C)]
@@ -12,20 +12,16 @@ pub(crate) struct Entry {
     pub(crate) btf: Layout,
     pub(crate) repeat: [f32; 2],
     pub(crate) gain: f32,
-    pub(crate) flags: u32,
+    pub(crate) environment_directions: u32,
     pub(crate) coarse_offset: u32,
     pub(crate) coarse_count: u32,
     pub(crate) coarse_min: f32,
     pub(crate) coarse_step: f32,
-    pub(crate) environment_directions: u32,
     pub(crate) albedo_directions: u32,
     pub(crate) mean: [f32; 3],
-    pub(crate) reserved: u32,
 }
 
 impl Entry {
-    const NEAREST: u32 = 1;
-
     /// Of a material whose data begins at word `base` of its buffer.
     pub(crate) fn new(
         material: &BtfMaterial,
@@ -39,18 +35,13 @@ impl Entry {
             btf: layout.moved(base),
             repeat: finite(material.repeat).to_array(),
             gain: if material.gain.is_finite() { material.gain } else { 1.0 },
-            flags: match material.filter {
-                BtfFilter::Nearest => Self::NEAREST,
-                BtfFilter::Bilinear => 0,
-            },
+            environment_directions: directions.environment,
             coarse_offset: base + prepared.btf.words().len() as u32,
             coarse_count: coarse.count,
             coarse_min: coarse.min,
             coarse_step: coarse.step,
-            environment_directions: directions.environment,
             albedo_directions: directions.albedo,
             mean: coarse.mean.to_array(),
-            reserved: 0,
         }
     }
 }

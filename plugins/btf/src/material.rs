@@ -75,6 +75,7 @@ impl BtfMaterial {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct BtfMaterialKey {
     double_sided: bool,
+    filter: BtfFilter,
 }
 
 /// Bindings of a group of its own for each material, which nothing is drawn with:
@@ -88,7 +89,7 @@ impl AsBindGroup for BtfMaterial {
     }
 
     fn bind_group_data(&self) -> Self::Data {
-        BtfMaterialKey { double_sided: self.double_sided }
+        BtfMaterialKey { double_sided: self.double_sided, filter: self.filter }
     }
 
     fn unprepared_bind_group(
@@ -145,6 +146,9 @@ impl Material for BtfMaterial {
                 number("BTF_TABLES", TABLES_BINDING),
                 "BTF_LINEAR".into(),
             ]);
+            if key.bind_group_data.filter == BtfFilter::Nearest {
+                fragment.shader_defs.push("BTF_NEAREST".into());
+            }
         }
         Ok(())
     }

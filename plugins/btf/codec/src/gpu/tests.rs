@@ -104,7 +104,9 @@ fn elementary_functions_are_as_exact_as_they_say() {
         }";
     let Some(gpu) = gpu() else { return };
     let points: Vec<[f32; 2]> = (0..=400)
-        .flat_map(|at| [-1.0_f32, -0.5, -1e-4, 0.0, 1e-6, 0.2, 1.0].map(|y| [at as f32 / 200.0 - 1.0, y]))
+        .flat_map(|at| {
+            [-1.0_f32, -0.5, -1e-4, 0.0, 1e-6, 0.2, 1.0].map(|y| [at as f32 / 200.0 - 1.0, y])
+        })
         .collect();
     let module = farlight_shaders::compose_source(SOURCE, "test", &[]).unwrap();
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -126,8 +128,8 @@ fn elementary_functions_are_as_exact_as_they_say() {
     });
     use wgpu::BufferUsages as Usage;
     let bytes = (points.len() * 32) as u64;
-    let [output, read] = [Usage::STORAGE | Usage::COPY_SRC, Usage::COPY_DST | Usage::MAP_READ]
-        .map(|usage| {
+    let [output, read] =
+        [Usage::STORAGE | Usage::COPY_SRC, Usage::COPY_DST | Usage::MAP_READ].map(|usage| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: None,
                 size: bytes,
