@@ -165,7 +165,7 @@ fn elementary_functions_are_as_exact_as_they_say() {
             *worst = worst.max((f64::from(found) - expected).abs());
         }
     }
-    println!("arc tangent, sine, cosine; sine, cosine: {worst:.1e?}");
+    println!("arc tangent, sine, cosine; sine, cosine: {worst:?}");
     // The fits' own errors, and a unit in the last place of an angle of pi at each of three steps.
     assert!(worst.iter().all(|worst| *worst <= 1.2e-6), "{worst:?}");
 }
