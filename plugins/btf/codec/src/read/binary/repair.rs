@@ -11,8 +11,8 @@
 //! | colours | the colours beside it in the rows that use it |
 //! | PDF2Dscale | the entries beside it: light over alpha is smooth |
 //! | PDF3Dscale | the luminance of the view beside it, over the luminance of its own slice |
-//! | PDF4Dscale | the same between azimuths, for views up to 30 degrees from the normal, where the azimuth matters least |
-//! | PDF6Dscale | the luminance of the four texels beside it, over that of its own row |
+//! | PDF4Dscale | the luminance of the azimuths beside it, likewise; more of views near the normal, where the azimuth matters least |
+//! | PDF6Dscale | the luminance of the texels beside it, over that of its own row |
 
 use super::Stored;
 use super::decode::Codes;
@@ -35,7 +35,7 @@ pub(super) fn repair(stored: &mut Stored) -> Result<Vec<Repair>> {
     let columns = stored.luminance_scales.columns;
     let judged = judge(&stored.luminance_scales, |entry| {
         let scales = &stored.luminance_scales;
-        let beside = beside(scales, entry / columns, entry % columns, false);
+        let beside = beside(scales, entry / columns, entry % columns);
         Ok(mean(beside.map(|column| scales.value(entry - entry % columns + column))))
     })?;
     decide(&mut stored.luminance_scales, &judged, &mut found);
@@ -53,27 +53,29 @@ pub(super) fn repair(stored: &mut Stored) -> Result<Vec<Repair>> {
     let judged = judge(&stored.elevation_scales, |entry| {
         let scales = &stored.elevation_scales;
         let row = entry - entry % columns;
-        let light = |column: usize| get(&slices, stored.elevations[row + column]);
-        let beside = beside(scales, entry / columns, entry % columns, false);
-        let seen: Result<Vec<f32>> =
-            beside.map(|column| Ok(scales.value(row + column) * light(column)?)).collect();
-        Ok(mean(seen?.into_iter()) / light(entry % columns)?)
+        let beside: Vec<usize> = beside(scales, entry / columns, entry % columns).collect();
+        let beside = beside.into_iter().map(|column| row + column);
+        let seen = seen(scales, &stored.elevations, &slices, beside)?;
+        Ok(continued(&seen, &[]) / get(&slices, stored.elevations[entry])?)
     })?;
     decide(&mut stored.elevation_scales, &judged, &mut found);
 
     let elevations = weighted(&stored.elevations, &stored.elevation_scales, &slices)?;
-    let steep = 1 + (columns - 1) / 3;
-    let near_normal: Vec<f32> =
-        elevations.chunks_exact(columns).map(|row| row[..steep].iter().sum()).collect();
+    // From 1 along the normal to 0 at the horizon.
+    let weight = |column: usize| (1.0 - column as f32 / (columns - 1).max(1) as f32).powi(2);
+    let steep: Vec<f32> = elevations
+        .chunks_exact(columns)
+        .map(|row| row.iter().enumerate().map(|(column, light)| weight(column) * light).sum())
+        .collect();
     let columns = stored.azimuth_scales.columns;
     let judged = judge(&stored.azimuth_scales, |entry| {
-        let scales = &stored.azimuth_scales;
         let row = entry - entry % columns;
-        let light = |column: usize| get(&near_normal, stored.azimuths[row + column]);
-        let beside = beside(scales, entry / columns, entry % columns, true);
-        let seen: Result<Vec<f32>> =
-            beside.map(|column| Ok(scales.value(row + column) * light(column)?)).collect();
-        Ok(mean(seen?.into_iter()) / light(entry % columns)?)
+        let seen = |steps: usize| {
+            let around =
+                [columns - steps % columns, steps].map(|step| (entry % columns + step) % columns);
+            seen(&stored.azimuth_scales, &stored.azimuths, &steep, around.map(|at| row + at))
+        };
+        Ok(continued(&seen(1)?, &seen(2)?) / get(&steep, stored.azimuths[entry])?)
     })?;
     decide(&mut stored.azimuth_scales, &judged, &mut found);
 
@@ -83,20 +85,18 @@ pub(super) fn repair(stored: &mut Stored) -> Result<Vec<Repair>> {
     let columns = stored.texel_scales.columns;
     let rows = stored.texels.len() / columns;
     let judged = judge(&stored.texel_scales, |entry| {
-        let scales = &stored.texel_scales;
         let (row, column) = (entry / columns, entry % columns);
-        let around = [
-            (row + rows - 1) % rows * columns + column,
-            (row + 1) % rows * columns + column,
-            row * columns + (column + columns - 1) % columns,
-            row * columns + (column + 1) % columns,
-        ];
-        let seen: Result<Vec<f32>> = around
-            .into_iter()
-            .filter(|texel| scales.codes[*texel] != 0)
-            .map(|texel| Ok(scales.value(texel) * get(&azimuths, stored.texels[texel])?))
-            .collect();
-        Ok(mean(seen?.into_iter()) / get(&azimuths, stored.texels[entry])?)
+        let seen = |steps: usize| {
+            let (down, right) = (steps % rows, steps % columns);
+            let around = [
+                (row + rows - down) % rows * columns + column,
+                (row + down) % rows * columns + column,
+                row * columns + (column + columns - right) % columns,
+                row * columns + (column + right) % columns,
+            ];
+            seen(&stored.texel_scales, &stored.texels, &azimuths, around)
+        };
+        Ok(continued(&seen(1)?, &seen(2)?) / get(&azimuths, stored.texels[entry])?)
     })?;
     decide(&mut stored.texel_scales, &judged, &mut found);
     Ok(found)
@@ -176,7 +176,7 @@ fn shapes(shapes: &mut Codes, found: &mut Vec<Repair>) {
         let zeros = (0..columns).filter(|column| shapes.codes[row * columns + column] == 0);
         let mut zeros: Vec<(f32, usize)> = zeros
             .map(|column| {
-                let beside = beside(shapes, row, column, false);
+                let beside = beside(shapes, row, column);
                 (mean(beside.map(|column| shapes.value(row * columns + column))), column)
             })
             .collect();
@@ -222,20 +222,29 @@ fn colours(stored: &Stored) -> Result<Vec<Judged>> {
 }
 
 /// The nearest columns before and behind one whose code is not 0.
-fn beside(codes: &Codes, row: usize, column: usize, circle: bool) -> impl Iterator<Item = usize> {
+fn beside(codes: &Codes, row: usize, column: usize) -> impl Iterator<Item = usize> {
     let columns = codes.columns;
     let row = &codes.codes[row * columns..][..columns];
     let good = |column: &usize| row[*column] != 0;
-    let (before, behind) = if circle {
-        let steps = 1..columns;
-        (
-            steps.clone().map(|step| (column + columns - step) % columns).find(good),
-            steps.map(|step| (column + step) % columns).find(good),
-        )
-    } else {
-        ((0..column).rev().find(good), (column + 1..columns).find(good))
-    };
+    let (before, behind) = ((0..column).rev().find(good), (column + 1..columns).find(good));
     before.into_iter().chain(behind)
+}
+
+/// Luminance of the entries whose code is not 0: their factors times that of the rows below.
+fn seen(
+    scales: &Codes,
+    indices: &[u32],
+    below: &[f32],
+    entries: impl IntoIterator<Item = usize>,
+) -> Result<Vec<f32>> {
+    let good = entries.into_iter().filter(|entry| scales.codes[*entry] != 0);
+    good.map(|entry| Ok(scales.value(entry) * get(below, indices[entry])?)).collect()
+}
+
+/// What stands between neighbours, curved as those two steps away say.
+fn continued(near: &[f32], far: &[f32]) -> f32 {
+    let near = mean(near.iter().copied());
+    if far.is_empty() { near } else { (4.0 * near - mean(far.iter().copied())) / 3.0 }
 }
 
 /// NaN of nothing.
