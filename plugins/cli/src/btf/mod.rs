@@ -18,6 +18,7 @@ mod eval;
 mod import;
 mod info;
 mod queries;
+mod render;
 
 use std::path::PathBuf;
 
@@ -26,7 +27,7 @@ use farlight_btf_codec::{Btf, Info, read};
 
 use crate::error::CliError;
 
-/// Measured materials (BTFs): what is in a file, values, conversion
+/// Measured materials (BTFs): what is in a file, values, conversion, pictures
 ///
 /// A bidirectional texture function says for each texel, each direction of light and each direction
 /// of view how bright and of what colour a surface is.
@@ -41,6 +42,7 @@ enum Command {
     Info(info::Args),
     Import(import::Args),
     Eval(eval::Args),
+    Render(render::Args),
 }
 
 /// Runs the subcommand.
@@ -49,6 +51,7 @@ pub(crate) fn run(args: &Args) -> Result<(), CliError> {
         Command::Info(args) => info::run(args),
         Command::Import(args) => import::run(args),
         Command::Eval(args) => eval::run(args),
+        Command::Render(args) => render::run(args),
     }
 }
 
