@@ -13,20 +13,29 @@ mod textures;
 
 use std::path::{Path, PathBuf};
 
-use crate::args::Args;
+use crate::{args::Args, process};
 
 /// Help of the command.
 pub(crate) const HELP: &str = "\
-cargo xtask assets [--check]
+cargo xtask assets [--check | --materials]
 
 Writes what this project makes itself: assets/scenes/doorway.glb, the models in assets/models/ and
 the environments in assets/environments/. With --check it writes nothing and fails if a file differs.
+With --materials it writes assets/materials/ instead: that traces rays for some minutes. The same
+machine makes the same file; others may differ in the last bits, so --check leaves these out.
 ";
 
 /// Runs the command.
 pub(crate) fn run(mut args: Args) -> Result<(), String> {
     let check = args.flag("--check");
+    let materials = args.flag("--materials");
     args.finish()?;
+    if materials {
+        if check {
+            return Err("--check and --materials exclude each other".to_owned());
+        }
+        return make_cloth();
+    }
     for (path, bytes) in all() {
         if check {
             match std::fs::read(&path) {
@@ -44,6 +53,14 @@ pub(crate) fn run(mut args: Args) -> Result<(), String> {
         println!("wrote {} ({} bytes)", path.display(), bytes.len());
     }
     Ok(())
+}
+
+fn make_cloth() -> Result<(), String> {
+    let path = process::root().join("assets/materials/cloth.fbtf");
+    let mut command = process::cargo();
+    command.args(["run", "--release", "--package", "farlight_btf_codec"]);
+    command.args(["--example", "woven_cloth", "--", "--out"]).arg(path);
+    process::run(&mut command)
 }
 
 /// Every file: where it lies and what is in it.

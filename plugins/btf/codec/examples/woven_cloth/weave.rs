@@ -86,7 +86,8 @@ impl Weave {
                     height: Wave::new(&mut rng),
                     dye: Wave::new(&mut rng),
                     shade: 2.0 * rng.next_f32() - 1.0,
-                    twist_phase: TAU * rng.next_f32(),
+                    // As if spun alike: each float shows the same turns.
+                    twist_phase: -TWIST * (index % YARNS) as f32,
                 }
             })
             .collect();
@@ -97,8 +98,8 @@ impl Weave {
     fn centre(&self, yarn: usize, along: f32) -> Vec3 {
         let own = &self.yarns[yarn];
         let index = (yarn % YARNS) as f32;
-        let aside = index + 0.5 + 0.045 * own.aside.at(along);
-        let lift = 0.02 * own.height.at(along);
+        let aside = index + 0.5 + 0.008 * own.aside.at(along);
+        let lift = 0.004 * own.height.at(along);
         // 2/2 twill: warp i is above the wefts i and i - 1 (modulo 4), between which y = i.
         let (middle, side) = if yarn < YARNS { (index, 1.0) } else { (index + 1.0, -1.0) };
         let wave = (TAU / 4.0 * (along - middle)).cos();
@@ -118,7 +119,7 @@ impl Weave {
         let up = across.cross(tangent).normalize();
         // Two plies, a groove between them.
         let ply = (round - TWIST * along - own.twist_phase).cos().abs();
-        let radius = (1.0 - 0.24 * (1.0 - ply) * (1.0 - ply)) * (1.0 + 0.06 * own.width.at(along));
+        let radius = (1.0 - 0.24 * (1.0 - ply) * (1.0 - ply)) * (1.0 + 0.012 * own.width.at(along));
         let (sin, cos) = round.sin_cos();
         // A little squarer than an ellipse: yarns press each other flat.
         let square = 1.0 / (cos.powi(4) + sin.powi(4)).powf(0.12);
@@ -136,7 +137,7 @@ impl Weave {
         let outward = normal * normal.dot(moved(0.0, 0.0) - self.centre(place.yarn, place.along));
         let normal = outward.normalize();
         // Fibres turn in their ply against the twist of the plies; single ones stray.
-        let stray = 0.5 * self.noise(place, [6.0, 9.0], 1);
+        let stray = 0.2 * self.noise(place, [6.0, 9.0], 1);
         let fibre = (along + (0.35 + stray) * round).normalize();
         let fibre = (fibre - normal * fibre.dot(normal)).normalize();
         Surface { normal, fibre, albedo: self.albedo(place) }
@@ -149,7 +150,7 @@ impl Weave {
         // Indigo takes unevenly, down to the fibre; undyed cotton hardly varies.
         let depth = if weft { 0.5 } else { 1.0 };
         let streaks = self.noise(place, [2.5, 14.0], 2) + 0.6 * self.noise(place, [7.0, 30.0], 3);
-        let dye = depth * (0.16 * own.shade + 0.14 * own.dye.at(place.along) + 0.42 * streaks);
+        let dye = depth * (0.16 * own.shade + 0.14 * own.dye.at(place.along) + 0.3 * streaks);
         // A dye absorbs along a path: what varies is the exponent.
         base.powf((1.0 - 0.5 * dye).max(0.3)).min(Vec3::splat(0.92))
     }
