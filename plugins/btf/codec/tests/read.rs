@@ -147,3 +147,13 @@ fn errors_name_the_file_and_the_place() {
     let error = Btf::from_bytes(longer).unwrap_err().to_string();
     assert!(error.contains("1 bytes after"), "{error}");
 }
+
+#[test]
+fn another_first_line_is_remarked() {
+    let mut bytes = Base::new().binary();
+    bytes[..4].copy_from_slice(b"4711");
+    let btf = Btf::from_bytes(&bytes).unwrap();
+    assert!(btf.info().remarks[0].contains("4711"), "{:?}", btf.info());
+    bytes[0] = b'x';
+    assert!(Btf::from_bytes(&bytes).unwrap_err().to_string().contains("neither"));
+}

@@ -11,7 +11,7 @@ use super::{Options, Repairs, read_bounded};
 use crate::{Btf, BtfError, Info, References, Samples, Scaled, Tables};
 
 /// The first line of every file that is known.
-const FIRST_LINE: &[u8] = b"4627\n";
+const FIRST_LINE: &str = "4627";
 
 /// Reads a BTFbase binary.
 ///
@@ -26,9 +26,17 @@ pub fn read_binary(path: &Path, options: &Options) -> Result<Btf, BtfError> {
     binary_from_bytes(&read_bounded(path)?, options).map_err(|error| error.in_file(path))
 }
 
-/// Whether bytes begin as a BTFbase binary does.
+/// Whether bytes begin as a BTFbase binary does: two lines with a number each. The first may be a
+/// version, so others than the known one are tried too.
 pub(crate) fn is_binary(bytes: &[u8]) -> bool {
-    bytes.starts_with(FIRST_LINE)
+    let number = |line: Option<&[u8]>| {
+        line.is_some_and(|line| {
+            (1..=10).contains(&line.len()) && line.iter().all(u8::is_ascii_digit)
+        })
+    };
+    let mut lines =
+        bytes.get(..bytes.len().min(64)).unwrap_or_default().split(|byte| *byte == b'\n');
+    number(lines.next()) && number(lines.next()) && lines.next().is_some()
 }
 
 /// All tables as they are stored.
@@ -52,7 +60,7 @@ pub(super) struct Stored {
 pub(crate) fn binary_from_bytes(bytes: &[u8], options: &Options) -> Result<Btf, BtfError> {
     let mut cursor = Cursor::new(bytes);
     let lines = cursor.lines(18)?;
-    let [_magic, materials, description @ ..] = &lines[..] else {
+    let [first, materials, description @ ..] = &lines[..] else {
         return Err(BtfError::Tables("cut off".to_owned()));
     };
     if materials.trim() != "1" {
@@ -100,6 +108,10 @@ pub(crate) fn binary_from_bytes(bytes: &[u8], options: &Options) -> Result<Btf, 
             ))
         })?;
     }
+    let mut remarks = Vec::new();
+    if *first != FIRST_LINE {
+        remarks.push(format!("the file begins with {first:?}, known ones with {FIRST_LINE:?}"));
+    }
     let repairs = match options.repairs {
         Repairs::Yes => repair::repair(&mut stored)?,
         Repairs::No => Vec::new(),
@@ -137,6 +149,7 @@ pub(crate) fn binary_from_bytes(bytes: &[u8], options: &Options) -> Result<Btf, 
         source: "BTFbase, binary".to_owned(),
         measured: Some(description.measured),
         repairs,
+        remarks,
         ..Info::default()
     };
     Btf::new(info, material.columns, &tables)
