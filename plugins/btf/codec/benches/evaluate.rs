@@ -77,16 +77,10 @@ fn found() -> Vec<PathBuf> {
     found
 }
 
-/// An own file, or a folder with a binary or text tables.
 fn open(path: &Path) -> Result<Btf, BtfError> {
-    let options = read::Options::default();
-    let binary = path.join("binary.btf");
-    if path.is_file() {
-        Btf::open(path)
-    } else if binary.is_file() {
-        read::read_binary(&binary, &options)
-    } else {
-        read::read_text(path, &options)
+    match read::open(path, &read::Options::default())? {
+        read::Material::Tables(btf) => Ok(btf),
+        read::Material::Images(_) => Err(BtfError::Unsupported("pictures, not tables".to_owned())),
     }
 }
 
