@@ -18,7 +18,9 @@ fn colours(stage: &mut Stage, count: u32) -> Vec<Vec3> {
             let btf = synthetic::lambert(colour.to_array(), [2, 2]).unwrap();
             let btf = stage.btf(btf);
             let material = stage.material(BtfMaterial::new(btf));
-            let place = Transform::from_xyz(width * (i as f32 + 0.5) - 1.0, 0.0, 0.0);
+            // More squares stand before fewer, not in the same plane.
+            let depth = 1e-3 * count as f32;
+            let place = Transform::from_xyz(width * (i as f32 + 0.5) - 1.0, 0.0, depth);
             stage.spawn((Mesh3d(square.clone()), material, place));
             colour
         })
