@@ -79,7 +79,7 @@ fn measured_materials_are_shown() {
             println!("SKIPPED: no {name} in {}", folder.display());
             continue;
         };
-        let mut stage = Stage::new();
+        let mut stage = Stage::sized(256);
         stage.camera(Vec3::new(0.0, 1.2, 3.2), Vec3::new(0.0, 0.35, 0.0), 0.0);
         stage.spawn((
             PointLight {

@@ -41,17 +41,17 @@ struct Stage {
 
 impl Stage {
     fn new() -> Self {
-        Self::configured(|_| {})
+        Self::sized(SIZE)
     }
 
-    fn configured(configure: impl FnOnce(&mut App)) -> Self {
-        let headless = Headless::new(UVec2::splat(SIZE), &support::assets(), |app| {
+    /// `size` is the edge of the pictures.
+    fn sized(size: u32) -> Self {
+        let headless = Headless::new(UVec2::splat(size), &support::assets(), |app| {
             app.add_plugins(FarlightPlugins)
                 .insert_resource(GlobalAmbientLight::NONE)
                 .insert_resource(ClearColor(Color::BLACK))
                 .insert_resource(bevy::light::DirectionalLightShadowMap { size: 512 })
                 .insert_resource(bevy::light::PointLightShadowMap { size: 512 });
-            configure(app);
         });
         Self::of(headless.unwrap_or_else(|problem| panic!("{problem}")))
     }
