@@ -21,7 +21,6 @@ use std::time::Instant;
 use farlight_btf_codec::{
     Info,
     compress::{Grid, Quality, Settings, TexelSource, compress},
-    linear, srgb_encode,
 };
 use glam::Vec3;
 
