@@ -96,7 +96,10 @@ pub fn choose(
     let (mut mesh, uv_metres) = match &model.shape {
         Shape::Sphere => {
             let around = std::f32::consts::TAU * SPHERE;
-            (Sphere::new(SPHERE).mesh().uv(128, 64), Vec2::new(around, around * 0.5))
+            let mesh = Sphere::new(SPHERE).mesh().uv(128, 64);
+            // Its poles lie on z; here they are above and below.
+            let upright = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
+            (mesh.rotated_by(upright), Vec2::new(around, around * 0.5))
         }
         Shape::Plane => {
             let edge = 2.0 * SPHERE;
@@ -240,7 +243,8 @@ pub fn place(
         .with_rotation(Quat::from_rotation_y(shown.turn.to_radians()));
     let (mut transform, mut visibility) = plinth.into_inner();
     let scale = config.0.base_scale;
-    let below = stand.0 + 0.5 * PLINTH[1] * scale;
+    // A little lower than the lowest point, so that cloth that lies flat is not in the same plane.
+    let below = stand.0 + (0.5 * PLINTH[1] + 0.006) * scale;
     *transform =
         Transform::from_translation(offset - Vec3::Y * below).with_scale(Vec3::splat(scale));
     let wanted = if shown.floor { Visibility::Inherited } else { Visibility::Hidden };
