@@ -7,6 +7,7 @@ mod cost;
 mod device;
 mod extraction;
 mod gltf;
+mod measured;
 mod mock;
 mod pictures;
 mod rooms;

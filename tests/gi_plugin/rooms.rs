@@ -34,7 +34,7 @@ fn lamp(stage: &mut Stage, lumens: f32) -> Entity {
 }
 
 /// Runs frames until the lighting is solved and shown.
-fn solve(stage: &mut Stage) {
+pub(crate) fn solve(stage: &mut Stage) {
     let solved = stage.headless.update_until("the solver", Duration::from_secs(60), |world| {
         let status = world.resource::<GiStatus>();
         assert!(!matches!(status.state, GiState::Failed { .. }), "{:?}", status.state);

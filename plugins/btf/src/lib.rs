@@ -32,6 +32,9 @@
 //! that a lightmap holds already is left out on its meshes, and so is the environment where a
 //! lightmap or an irradiance volume holds it.
 //!
+//! Entities carry a `DiffuseReflectance` of `farlight_core`, the material's mean colour: so
+//! `farlight_gi` gives them lightmaps, and lets them block and reflect light.
+//!
 //! Left out: rectangular lights, textures of lights, decals, transparency, the deferred renderer
 //! (materials are always drawn forward).
 //!
@@ -48,6 +51,7 @@ mod entry;
 mod loading;
 mod material;
 mod page;
+mod reflectance;
 mod settings;
 mod spans;
 mod status;
@@ -62,7 +66,7 @@ use bevy::{
         erased_render_asset::prepare_erased_assets, extract_resource::ExtractResourcePlugin,
     },
 };
-use farlight_core::FarlightCorePlugin;
+use farlight_core::{DiffuseReflectance, FarlightCorePlugin, LightmapSystems};
 
 pub use asset::{BtfAsset, BtfLoader};
 pub use farlight_btf_codec as codec;
@@ -91,7 +95,14 @@ impl Plugin for BtfPlugin {
                 Update,
                 (status::take_report, status::note_failures, loading::finish).chain(),
             )
-            .add_systems(PostUpdate, loading::start.after(AssetEventSystems));
+            .add_systems(
+                PostUpdate,
+                (loading::start, reflectance::update).after(AssetEventSystems),
+            );
+
+        // From the first moment, so that lighting waits for it. Where that can't be, for meshes are
+        // there already, it comes a frame later.
+        drop(app.try_register_required_components::<MeshMaterial3d<BtfMaterial>, DiffuseReflectance>());
 
         // Without a renderer there is nothing to draw, but assets and meshes may still name materials.
         if app.get_sub_app(RenderApp).is_none() || !app.is_plugin_added::<PbrPlugin>() {
@@ -104,7 +115,9 @@ impl Plugin for BtfPlugin {
         ));
         app.add_systems(
             PostUpdate,
-            material::notice_lightmaps.before(check_entities_needing_specialization::<BtfMaterial>),
+            material::notice_lightmaps
+                .in_set(LightmapSystems::Notice)
+                .before(check_entities_needing_specialization::<BtfMaterial>),
         );
         let prepare = prepare_erased_assets::<MeshMaterial3d<BtfMaterial>>;
         if let Some(render_app) = app.get_sub_app_mut(RenderApp) {

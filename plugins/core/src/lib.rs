@@ -3,6 +3,8 @@
 //! | item | for |
 //! |---|---|
 //! | [`DerivedLight`] | lights that a plugin made; no plugin reads them as lights of the scene |
+//! | [`DiffuseReflectance`] | what surfaces reflect whose material lighting does not know |
+//! | [`LightmapSystems`] | lightmaps come and go before materials look for them |
 //! | [`SkySource`] | the one sky that lighting counts |
 //! | [`shader_path`] | the suite's shader modules, embedded |
 //! | [`TextureUploads`] | texels into existing textures, a bounded number of bytes a frame |
@@ -17,6 +19,7 @@ mod ron_asset;
 mod shaders;
 mod sky;
 mod status;
+mod surface;
 mod upload;
 
 use bevy::app::{App, Plugin};
@@ -27,6 +30,7 @@ pub use ron_asset::{FieldProblem, RonError, RonLoader, RonPlugin, RonSettings, p
 pub use shaders::shader_path;
 pub use sky::{SkyRadiance, SkySource, SkyTaken};
 pub use status::{LeftOut, TimeStats, TimeWindow};
+pub use surface::{DiffuseReflectance, LightmapSystems};
 pub use upload::{Region, RegionProblem, TextureUploads, Ticket, UploadProgress};
 
 /// Registers the shared types, the shader modules and the texture uploader. Add it after the engine's
@@ -38,6 +42,7 @@ impl Plugin for FarlightCorePlugin {
     fn build(&self, app: &mut App) {
         app.register_type::<DerivedLight>().init_resource::<SkySource>();
         shaders::build(app);
+        surface::build(app);
         upload::build(app);
     }
 

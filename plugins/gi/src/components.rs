@@ -5,8 +5,8 @@ use bevy::{math::UVec3, prelude::*};
 /// Tags an entity and everything below it, now and later, as static geometry that blocks, reflects
 /// and receives indirect light. The root of a loaded glTF file is the usual place.
 ///
-/// Each visible mesh with a `StandardMaterial` below the tag gets a `Lightmap`. Meshes that can't
-/// take part are named in [`GiStatus::left_out`](crate::GiStatus::left_out), with the reason.
+/// Each visible mesh below the tag with a `StandardMaterial`, or a `DiffuseReflectance` of
+/// `farlight_core` in its place, gets a `Lightmap`. Meshes that can't take part are named in [`GiStatus::left_out`](crate::GiStatus::left_out), with the reason.
 ///
 /// A [`GiDynamic`] further down takes its entity and what is below it out again.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]

@@ -194,11 +194,12 @@ impl GiLightmaps {
     ///
     /// Bevy takes a lightmap's place only once, and chooses the pipeline when the material
     /// changes: so a component that comes or goes marks the material as changed in the same frame,
-    /// and one that moves is gone for a frame. This must run before Bevy looks for changed materials.
+    /// and one that moves is gone for a frame. This must run before Bevy looks for changed materials,
+    /// and before plugins with other materials do as much for theirs (`LightmapSystems`).
     pub(crate) fn apply(
         &mut self,
         commands: &mut Commands,
-        materials: &mut Query<&mut MeshMaterial3d<StandardMaterial>>,
+        materials: &mut Query<Option<&mut MeshMaterial3d<StandardMaterial>>>,
         unlit: &EntityHashSet,
         done: Ticket,
     ) {
@@ -227,7 +228,7 @@ impl GiLightmaps {
                 coming.frames = 1;
                 return true;
             }
-            let (Some(page), Ok(mut material)) =
+            let (Some(page), Ok(material)) =
                 (pages.get(&coming.placement.page), materials.get_mut(entity))
             else {
                 return false;
@@ -242,7 +243,9 @@ impl GiLightmaps {
                 uv_rect: Rect::from_corners(min / size, max / size),
                 bicubic_sampling: false,
             });
-            material.set_changed();
+            if let Some(mut material) = material {
+                material.set_changed();
+            }
             placements.insert(entity, coming.placement);
             false
         });
@@ -252,7 +255,7 @@ impl GiLightmaps {
     pub(crate) fn clear(
         &mut self,
         commands: &mut Commands,
-        materials: &mut Query<&mut MeshMaterial3d<StandardMaterial>>,
+        materials: &mut Query<Option<&mut MeshMaterial3d<StandardMaterial>>>,
         uploads: &TextureUploads,
     ) {
         for (entity, _) in self.placements.drain() {
@@ -268,12 +271,14 @@ impl GiLightmaps {
 
 fn remove_lightmap(
     commands: &mut Commands,
-    materials: &mut Query<&mut MeshMaterial3d<StandardMaterial>>,
+    materials: &mut Query<Option<&mut MeshMaterial3d<StandardMaterial>>>,
     entity: Entity,
 ) {
     // The entity may be despawned.
-    if let Ok(mut material) = materials.get_mut(entity) {
-        material.set_changed();
+    if let Ok(material) = materials.get_mut(entity) {
+        if let Some(mut material) = material {
+            material.set_changed();
+        }
         commands.entity(entity).try_remove::<Lightmap>();
     }
 }

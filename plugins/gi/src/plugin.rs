@@ -7,7 +7,7 @@ use bevy::{
     mesh::mark_3d_meshes_as_changed_if_their_assets_changed,
     pbr::check_entities_needing_specialization, prelude::*,
 };
-use farlight_core::{FarlightCorePlugin, RonPlugin};
+use farlight_core::{FarlightCorePlugin, LightmapSystems, RonPlugin};
 
 use crate::{
     ExtractedScene, GiControl, GiDynamic, GiLightmaps, GiProbeVolume, GiScene, GiSettings,
@@ -135,6 +135,7 @@ impl Plugin for GiPlugin {
         .configure_sets(
             PostUpdate,
             GiSystems::Apply
+                .in_set(LightmapSystems::Change)
                 .before(check_entities_needing_specialization::<StandardMaterial>)
                 .before(mark_3d_meshes_as_changed_if_their_assets_changed),
         )

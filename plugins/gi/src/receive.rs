@@ -28,7 +28,7 @@ pub(crate) fn start_backend(
     mut extractor: ResMut<Extractor>,
     mut lightmaps: ResMut<GiLightmaps>,
     uploads: Res<TextureUploads>,
-    mut materials: Query<&mut MeshMaterial3d<StandardMaterial>>,
+    mut materials: Query<Option<&mut MeshMaterial3d<StandardMaterial>>>,
 ) {
     if !settings.is_changed() && in_use.is_some() {
         return;
@@ -72,7 +72,7 @@ pub(crate) fn receive(
     mut status: ResMut<GiStatus>,
     mut images: ResMut<Assets<Image>>,
     (uploads, control, view): (Res<TextureUploads>, Res<GiControl>, Res<GiView>),
-    mut materials: Query<&mut MeshMaterial3d<StandardMaterial>>,
+    mut materials: Query<Option<&mut MeshMaterial3d<StandardMaterial>>>,
     mut shown_volumes: Query<&mut IrradianceVolume, With<GiProbeVolume>>,
     mut removed_volumes: RemovedComponents<GiProbeVolume>,
     mut updated: MessageWriter<GiUpdated>,

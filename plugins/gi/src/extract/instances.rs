@@ -6,9 +6,14 @@ use bevy::{
     pbr::Lightmap,
     prelude::*,
 };
+use farlight_core::DiffuseReflectance;
 use farlight_gi_solver::{SceneChange, scene::Instance, session::SessionChange};
 
-use super::{Extractor, instance_id, materials::Shading, meshes::MeshStage};
+use super::{
+    Extractor, instance_id,
+    materials::{MaterialKey, Shading},
+    meshes::MeshStage,
+};
 use crate::{
     GiLightmaps, GiStatic,
     status::{GiMeter, Remarks, Stage},
@@ -18,7 +23,7 @@ use crate::{
 #[derive(Default)]
 pub(crate) struct InstanceState {
     mesh: Option<AssetId<Mesh>>,
-    material: Option<AssetId<StandardMaterial>>,
+    material: Option<MaterialKey>,
     submitted: Option<Instance>,
     receiver: bool,
 }
@@ -34,6 +39,7 @@ impl InstanceState {
 pub(crate) struct Row {
     mesh: &'static Mesh3d,
     material: Option<&'static MeshMaterial3d<StandardMaterial>>,
+    reflectance: Has<DiffuseReflectance>,
     transform: &'static GlobalTransform,
     visible: &'static InheritedVisibility,
     skinned: Has<SkinnedMesh>,
@@ -45,6 +51,7 @@ type ChangedRow = Or<(
     Added<GiStatic>,
     Changed<Mesh3d>,
     Changed<MeshMaterial3d<StandardMaterial>>,
+    Added<DiffuseReflectance>,
     Changed<GlobalTransform>,
     Changed<InheritedVisibility>,
 )>;
@@ -60,6 +67,7 @@ pub(crate) fn extract_instances(
         RemovedComponents<GiStatic>,
         RemovedComponents<Mesh3d>,
         RemovedComponents<MeshMaterial3d<StandardMaterial>>,
+        RemovedComponents<DiffuseReflectance>,
     ),
     meter: Res<GiMeter>,
 ) {
@@ -67,7 +75,8 @@ pub(crate) fn extract_instances(
     let extractor = &mut *extractor;
     let mut dirty = std::mem::take(&mut extractor.dirty);
     dirty.extend(&changed);
-    dirty.extend(removed.0.read().chain(removed.1.read()).chain(removed.2.read()));
+    dirty.extend(removed.0.read().chain(removed.1.read()));
+    dirty.extend(removed.2.read().chain(removed.3.read()));
     for entity in dirty.drain() {
         match rows.get(entity) {
             Ok(row) => {
@@ -107,19 +116,25 @@ fn look(
             "it is deformed by bones or morph targets; tag it GiDynamic".into(),
         );
     }
-    let Some(material) = row.material else {
-        return refuse(extractor, remarks, "it has no MeshMaterial3d<StandardMaterial>".into());
+    let material = match row.material {
+        Some(material) => MaterialKey::Standard(material.id()),
+        None if row.reflectance => MaterialKey::Reflectance(entity),
+        None => {
+            let reason = "it has no MeshMaterial3d<StandardMaterial>, nor a DiffuseReflectance that \
+                          says what its own material reflects";
+            return refuse(extractor, remarks, reason.into());
+        }
     };
     let affine = row.transform.affine();
     if !affine.is_finite() || affine.matrix3.determinant() == 0.0 {
         return refuse(extractor, remarks, "its transform isn't finite, or flattens it".into());
     }
 
-    let (mesh_id, material_id) = (extractor.source_mesh(row.mesh.id()), material.id());
+    let mesh_id = extractor.source_mesh(row.mesh.id());
     let state = extractor.instances.entry(entity).or_default();
-    let old = (state.mesh.replace(mesh_id), state.material.replace(material_id));
-    let used_material = extractor.use_material(material_id, entity);
-    let (shading, material_key, remark) =
+    let old = (state.mesh.replace(mesh_id), state.material.replace(material));
+    let used_material = extractor.use_material(material, entity);
+    let (shading, material_id, remark) =
         (used_material.shading, used_material.id, used_material.remark.clone());
     let used_mesh = extractor.use_mesh(mesh_id, entity);
     let mesh_key = used_mesh.id;
@@ -131,7 +146,7 @@ fn look(
     if let Some(old) = old.0.filter(|&old| old != mesh_id) {
         extractor.release_mesh(old, entity);
     }
-    if let Some(old) = old.1.filter(|&old| old != material_id) {
+    if let Some(old) = old.1.filter(|&old| old != material) {
         extractor.release_material(old, entity);
     }
 
@@ -147,7 +162,7 @@ fn look(
     };
     extractor.swap_if_replaced(entity, row.mesh.id());
 
-    let instance = Instance { mesh: mesh_key, material: material_key, transform: affine };
+    let instance = Instance { mesh: mesh_key, material: material_id, transform: affine };
     let id = instance_id(entity);
     let state = extractor.instances.entry(entity).or_default();
     if state.submitted.as_ref() != Some(&instance) {

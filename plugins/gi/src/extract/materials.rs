@@ -1,6 +1,7 @@
-//! Standard materials.
+//! Standard materials, and surfaces of which the reflectance is all that is known.
 
 use bevy::{ecs::entity::EntityHashSet, mesh::UvChannel, prelude::*};
+use farlight_core::DiffuseReflectance;
 use farlight_gi_solver::{
     SceneChange,
     scene::{self, MaterialId, TextureId},
@@ -11,6 +12,15 @@ use crate::{
     GiSettings,
     status::{GiMeter, Stage},
 };
+
+/// What says how an instance reflects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum MaterialKey {
+    Standard(AssetId<StandardMaterial>),
+    /// [`DiffuseReflectance`] of the entity. Each has a material of its own, so that a change of
+    /// colour is no change of geometry.
+    Reflectance(Entity),
+}
 
 /// A material that instances use.
 pub(super) struct MaterialState {
@@ -33,11 +43,7 @@ pub(super) enum Shading {
 }
 
 impl Extractor {
-    pub(super) fn use_material(
-        &mut self,
-        material: AssetId<StandardMaterial>,
-        entity: Entity,
-    ) -> &MaterialState {
+    pub(super) fn use_material(&mut self, material: MaterialKey, entity: Entity) -> &MaterialState {
         if !self.materials.contains_key(&material) {
             let id = MaterialId(self.new_id());
             let state = MaterialState {
@@ -55,15 +61,17 @@ impl Extractor {
         state
     }
 
-    pub(super) fn release_material(&mut self, material: AssetId<StandardMaterial>, entity: Entity) {
+    pub(super) fn release_material(&mut self, material: MaterialKey, entity: Entity) {
         let Some(state) = self.materials.get_mut(&material) else { return };
         state.users.remove(&entity);
         if state.users.is_empty()
             && let Some(state) = self.materials.remove(&material)
         {
             self.changes.unused.push(SceneChange::RemoveMaterial(state.id));
-            for texture in state.textures {
-                self.release_texture(texture, material);
+            if let MaterialKey::Standard(material) = material {
+                for texture in state.textures {
+                    self.release_texture(texture, material);
+                }
             }
         }
     }
@@ -74,6 +82,8 @@ pub(crate) fn extract_materials(
     mut extractor: ResMut<Extractor>,
     mut events: MessageReader<AssetEvent<StandardMaterial>>,
     materials: Res<Assets<StandardMaterial>>,
+    reflectances: Query<&DiffuseReflectance>,
+    changed: Query<Entity, Changed<DiffuseReflectance>>,
     settings: Res<GiSettings>,
     mut exposure_ref: Local<f32>,
     meter: Res<GiMeter>,
@@ -82,8 +92,13 @@ pub(crate) fn extract_materials(
     let extractor = &mut *extractor;
     for event in events.read() {
         if let AssetEvent::Added { id } | AssetEvent::Modified { id } = event
-            && let Some(state) = extractor.materials.get_mut(id)
+            && let Some(state) = extractor.materials.get_mut(&MaterialKey::Standard(*id))
         {
+            state.dirty = true;
+        }
+    }
+    for entity in &changed {
+        if let Some(state) = extractor.materials.get_mut(&MaterialKey::Reflectance(entity)) {
             state.dirty = true;
         }
     }
@@ -98,8 +113,18 @@ pub(crate) fn extract_materials(
         .map(|(&id, _)| id)
         .collect::<Vec<_>>();
     for id in dirty {
-        let Some(material) = materials.get(id) else { continue };
-        look(extractor, id, material, settings.exposure_ref);
+        match id {
+            MaterialKey::Standard(id) => {
+                let Some(material) = materials.get(id) else { continue };
+                look(extractor, id, material, settings.exposure_ref);
+            }
+            MaterialKey::Reflectance(entity) => {
+                let Some(converted) = reflectances.get(entity).ok().and_then(diffuse) else {
+                    continue;
+                };
+                take(extractor, id, Shading::Opaque, None, Vec::new(), converted);
+            }
+        }
     }
 }
 
@@ -132,7 +157,22 @@ fn look(
         )
     });
 
-    let Some(state) = extractor.materials.get_mut(&id) else { return };
+    let released = take(extractor, MaterialKey::Standard(id), shading, remark, used, converted);
+    for texture in released {
+        extractor.release_texture(texture, id);
+    }
+}
+
+/// Takes over what was found; answers textures that are no longer used.
+fn take(
+    extractor: &mut Extractor,
+    key: MaterialKey,
+    shading: Shading,
+    remark: Option<String>,
+    used: Vec<AssetId<Image>>,
+    converted: scene::Material,
+) -> Vec<AssetId<Image>> {
+    let Some(state) = extractor.materials.get_mut(&key) else { return Vec::new() };
     state.dirty = false;
     let released: Vec<_> = state.textures.iter().filter(|t| !used.contains(t)).copied().collect();
     state.textures = used;
@@ -142,9 +182,20 @@ fn look(
         extractor.dirty.extend(state.users.iter().copied());
     }
     set_material(&mut extractor.changes, state.id, converted);
-    for texture in released {
-        extractor.release_texture(texture, id);
-    }
+    released
+}
+
+/// A diffuse surface; nothing while its albedo isn't known.
+fn diffuse(reflectance: &DiffuseReflectance) -> Option<scene::Material> {
+    let albedo = reflectance.albedo.filter(|albedo| albedo.is_finite())?;
+    Some(scene::Material {
+        base_color: albedo.clamp(Vec3::ZERO, Vec3::ONE).extend(1.0),
+        metallic: 0.0,
+        perceptual_roughness: 1.0,
+        reflectance: 0.0,
+        double_sided: reflectance.double_sided,
+        ..scene::Material::default()
+    })
 }
 
 /// The solver's description of a material. Emitted radiance follows Bevy's shader: `emissive`

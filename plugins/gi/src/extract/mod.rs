@@ -45,7 +45,7 @@ pub(crate) use textures::convert_textures;
 pub(crate) use volumes::extract_volumes;
 
 use instances::InstanceState;
-use materials::MaterialState;
+use materials::{MaterialKey, MaterialState};
 use meshes::MeshState;
 use textures::TextureState;
 
@@ -126,7 +126,7 @@ pub(crate) struct Extractor {
     made_from: HashMap<AssetId<Mesh>, AssetId<Mesh>>,
     /// Mesh handles to exchange at the start of the next frame: entity, old, new.
     swaps: Vec<(Entity, AssetId<Mesh>, Handle<Mesh>)>,
-    materials: HashMap<AssetId<StandardMaterial>, MaterialState>,
+    materials: HashMap<MaterialKey, MaterialState>,
     textures: HashMap<AssetId<Image>, TextureState>,
     lights: EntityHashMap<u32>,
     frame: u32,

@@ -1,0 +1,39 @@
+//! What lighting knows of surfaces whose material it does not know.
+
+use bevy::{app::PostUpdate, math::Vec3, prelude::*};
+
+/// What a mesh whose material is no `StandardMaterial` reflects of the light that bounces through a
+/// scene, as a diffuse surface.
+///
+/// Plugins with materials of their own keep it on the entities that carry them; a game may put it
+/// on meshes with a `Material` of its own, so that these take part in the indirect light. Lighting
+/// solvers read it where an entity has no `MeshMaterial3d<StandardMaterial>`.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Default, Debug, Clone)]
+pub struct DiffuseReflectance {
+    /// The part of the light that is reflected, linear Rec. 709, 0 to 1 a channel; values beyond
+    /// are cut. `None` while the material's data is on its way: the surface takes part once it
+    /// is known.
+    pub albedo: Option<Vec3>,
+    /// Whether the backs of triangles are surfaces too.
+    pub double_sided: bool,
+}
+
+/// When `Lightmap`s come and go, in `PostUpdate`.
+///
+/// Bevy chooses a mesh's pipeline when its material changes, not when its lightmap does. So
+/// whoever inserts or removes lightmaps does it in the first set, and each plugin with a material
+/// of its own marks it as changed in the second, before Bevy's
+/// `check_entities_needing_specialization`.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LightmapSystems {
+    /// Inserts and removes lightmaps.
+    Change,
+    /// Sees those that came or went, in the same frame.
+    Notice,
+}
+
+pub(crate) fn build(app: &mut App) {
+    app.register_type::<DiffuseReflectance>()
+        .configure_sets(PostUpdate, (LightmapSystems::Change, LightmapSystems::Notice).chain());
+}
