@@ -5,7 +5,7 @@
 //! them alike. A frame lasts until the device has drawn it.
 
 #[path = "../common/headless.rs"]
-#[allow(dead_code, unreachable_pub, reason = "what the examples and tests share")]
+#[expect(dead_code, unreachable_pub, reason = "what the examples and tests share")]
 mod headless;
 mod options;
 mod scene;
