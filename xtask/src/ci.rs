@@ -18,8 +18,8 @@ Runs, quick ones first, and goes on after a failure so that one run shows them a
   docs       cargo doc, warnings are errors
   packages   cargo package of every published crate (not built again)
   features   the umbrella with no feature, and with each feature alone
-  targets    farlight_remote for wasm32-unknown-unknown and farlight_gi for x86_64-pc-windows-gnu, if
-             those are installed or rustup can add them
+  targets    farlight_remote and farlight_btf for wasm32-unknown-unknown and farlight_gi for
+             x86_64-pc-windows-gnu, if those are installed or rustup can add them
   tests      what `cargo xtask test` does, if nothing failed before
 
 A table at the end says what passed, what failed, what was skipped and why, and how long it took.
@@ -30,8 +30,11 @@ A table at the end says what passed, what failed, what was skipped and why, and 
 
 /// Targets for which a plugin must compile, though no test runs there. (The transport of
 /// `farlight_remote` needs a C compiler for Windows; the web gets none.)
-const TARGETS: [(&str, &str); 2] =
-    [("wasm32-unknown-unknown", "farlight_remote"), ("x86_64-pc-windows-gnu", "farlight_gi")];
+const TARGETS: [(&str, &str); 3] = [
+    ("wasm32-unknown-unknown", "farlight_remote"),
+    ("wasm32-unknown-unknown", "farlight_btf"),
+    ("x86_64-pc-windows-gnu", "farlight_gi"),
+];
 
 /// Whether the manifests are fit to be published; files that are not committed may be there.
 const PACKAGE: [&str; 6] =
@@ -66,9 +69,11 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
     }
     for (target, package) in TARGETS {
         match add_target(target, install) {
-            Ok(()) => report
-                .cargo(&format!("target {target}"), &["check", "-p", package, "--target", target]),
-            Err(reason) => report.skip(&format!("target {target}"), &reason),
+            Ok(()) => report.cargo(
+                &format!("target {target}: {package}"),
+                &["check", "-p", package, "--target", target],
+            ),
+            Err(reason) => report.skip(&format!("target {target}: {package}"), &reason),
         }
     }
     if checks_only {
