@@ -18,8 +18,8 @@ Runs, quick ones first, and goes on after a failure so that one run shows them a
   docs       cargo doc, warnings are errors
   packages   cargo package of every published crate (not built again)
   features   the umbrella with no feature, and with each feature alone
-  targets    farlight_remote and farlight_btf for wasm32-unknown-unknown and farlight_gi for
-             x86_64-pc-windows-gnu, if those are installed or rustup can add them
+  targets    farlight_remote and farlight_btf for wasm32-unknown-unknown, farlight_gi and farlight_btf
+             for x86_64-pc-windows-gnu, if those are installed or rustup can add them
   tests      what `cargo xtask test` does, if nothing failed before
 
 A table at the end says what passed, what failed, what was skipped and why, and how long it took.
@@ -30,10 +30,11 @@ A table at the end says what passed, what failed, what was skipped and why, and 
 
 /// Targets for which a plugin must compile, though no test runs there. (The transport of
 /// `farlight_remote` needs a C compiler for Windows; the web gets none.)
-const TARGETS: [(&str, &str); 3] = [
-    ("wasm32-unknown-unknown", "farlight_remote"),
-    ("wasm32-unknown-unknown", "farlight_btf"),
-    ("x86_64-pc-windows-gnu", "farlight_gi"),
+///
+/// Packages of one target are checked together, so that the engine is once.
+const TARGETS: [(&str, &[&str]); 2] = [
+    ("wasm32-unknown-unknown", &["farlight_remote", "farlight_btf"]),
+    ("x86_64-pc-windows-gnu", &["farlight_gi", "farlight_btf"]),
 ];
 
 /// Whether the manifests are fit to be published; files that are not committed may be there.
@@ -67,13 +68,15 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
             alone(feature.as_deref())
         });
     }
-    for (target, package) in TARGETS {
+    for (target, packages) in TARGETS {
+        let name = format!("target {target}: {}", packages.join(", "));
         match add_target(target, install) {
-            Ok(()) => report.cargo(
-                &format!("target {target}: {package}"),
-                &["check", "-p", package, "--target", target],
-            ),
-            Err(reason) => report.skip(&format!("target {target}: {package}"), &reason),
+            Ok(()) => {
+                let mut arguments = vec!["check", "--target", target];
+                arguments.extend(packages.iter().flat_map(|package| ["-p", package]));
+                report.cargo(&name, &arguments);
+            }
+            Err(reason) => report.skip(&name, &reason),
         }
     }
     if checks_only {
