@@ -13,13 +13,17 @@ struct Entry {
     coarse_offset: u32,
     // ... how many, ...
     coarse_count: u32,
-    // ... and the factors in them; indices have as many bits as those of the texels.
-    coarse_min: f32,
-    coarse_step: f32,
+    // ... and two tints for each texel of them, for views along the normal and grazing ones:
+    // 11, 11 and 10 bits, roots of shares of the greatest tint.
+    coarse_tints: u32,
+    coarse_most: f32,
     albedo_directions: u32,
     mean_red: f32,
     mean_green: f32,
     mean_blue: f32,
+    // A light's share is min(1, fade * cosine): less than 1 where it stands lower than was measured.
+    fade: f32,
+    padding: u32,
 }
 
 #if AVAILABLE_STORAGE_BUFFER_BINDINGS >= 8

@@ -108,7 +108,8 @@ fn reflected(in: VertexOutput, surface: ptr<function, Surface>, frame: Frame) ->
         }
         if any(share > vec3(0.0)) {
             let value =
-                share * reflectance(entry.btf, &taps, slice_of_direction(direction, view_azimuth));
+                share * min(1.0, entry.fade * direction.z)
+                * reflectance(entry.btf, &taps, slice_of_direction(direction, view_azimuth));
             if is_light {
                 direct += value;
             } else {

@@ -12,15 +12,19 @@
     bindings::Entry,
     evaluate::{LightCell, ViewSlices, light_cell, linear_value, slice_value, view_slices},
     layout::Layout,
+    tables::btf_words,
 }
 
 struct Taps {
     a: ViewSlices,
+    weight_a: vec3<f32>,
 #ifndef BTF_NEAREST
     b: ViewSlices,
     c: ViewSlices,
     d: ViewSlices,
-    weights: vec4<f32>,
+    weight_b: vec3<f32>,
+    weight_c: vec3<f32>,
+    weight_d: vec3<f32>,
 #endif
 }
 
@@ -42,16 +46,25 @@ fn find_taps(entry: ptr<function, Entry>, footprint: Footprint, direction: vec3<
 
     var taps: Taps;
 #ifdef BTF_NEAREST
-    taps.a = view_slices(btf, wrapped(floor(place), size), theta, phi);
+    let texel = wrapped(floor(place), size);
+    taps.a = view_slices(btf, texel, theta, phi);
+    taps.weight_a = tint(entry, btf, texel, direction.z);
 #else
     let corner = floor(place - 0.5);
     let near = place - 0.5 - corner;
     let far = 1.0 - near;
-    taps.weights = vec4(far.x * far.y, near.x * far.y, far.x * near.y, near.x * near.y);
-    taps.a = view_slices(btf, wrapped(corner, size), theta, phi);
-    taps.b = view_slices(btf, wrapped(corner + vec2(1.0, 0.0), size), theta, phi);
-    taps.c = view_slices(btf, wrapped(corner + vec2(0.0, 1.0), size), theta, phi);
-    taps.d = view_slices(btf, wrapped(corner + vec2(1.0, 1.0), size), theta, phi);
+    let a = wrapped(corner, size);
+    let b = wrapped(corner + vec2(1.0, 0.0), size);
+    let c = wrapped(corner + vec2(0.0, 1.0), size);
+    let d = wrapped(corner + vec2(1.0, 1.0), size);
+    taps.a = view_slices(btf, a, theta, phi);
+    taps.b = view_slices(btf, b, theta, phi);
+    taps.c = view_slices(btf, c, theta, phi);
+    taps.d = view_slices(btf, d, theta, phi);
+    taps.weight_a = (far.x * far.y) * tint(entry, btf, a, direction.z);
+    taps.weight_b = (near.x * far.y) * tint(entry, btf, b, direction.z);
+    taps.weight_c = (far.x * near.y) * tint(entry, btf, c, direction.z);
+    taps.weight_d = (near.x * near.y) * tint(entry, btf, d, direction.z);
 #endif
     return taps;
 }
@@ -60,13 +73,41 @@ fn find_taps(entry: ptr<function, Entry>, footprint: Footprint, direction: vec3<
 fn reflectance(btf: Layout, taps: ptr<function, Taps>, light: SliceAngles) -> vec3<f32> {
     let cell = light_cell(btf, light);
 #ifdef BTF_NEAREST
-    return tap(btf, (*taps).a, cell);
+    return (*taps).weight_a * tap(btf, (*taps).a, cell);
 #else
-    return (*taps).weights.x * tap(btf, (*taps).a, cell)
-        + (*taps).weights.y * tap(btf, (*taps).b, cell)
-        + (*taps).weights.z * tap(btf, (*taps).c, cell)
-        + (*taps).weights.w * tap(btf, (*taps).d, cell);
+    return (*taps).weight_a * tap(btf, (*taps).a, cell)
+        + (*taps).weight_b * tap(btf, (*taps).b, cell)
+        + (*taps).weight_c * tap(btf, (*taps).c, cell)
+        + (*taps).weight_d * tap(btf, (*taps).d, cell);
 #endif
+}
+
+// What a texel's linear values are multiplied by: 1 in the picture itself.
+fn tint(
+    entry: ptr<function, Entry>,
+    btf: Layout,
+    texel: vec2<u32>,
+    cosine_of_view: f32,
+) -> vec3<f32> {
+    if btf.texels.offset == (*entry).btf.texels.offset {
+        return vec3(1.0);
+    }
+    let place = btf.texels.offset - (*entry).coarse_offset + texel.y * btf.columns + texel.x;
+    let first = (*entry).coarse_tints + 2u * place;
+    let share = grazing(cosine_of_view);
+    return (*entry).coarse_most
+        * mix(unit_tint(btf_words[first]), unit_tint(btf_words[first + 1u]), share);
+}
+
+fn unit_tint(word: u32) -> vec3<f32> {
+    let root = vec3<f32>(vec3(word, word >> 11u, word >> 22u) & vec3(2047u, 2047u, 1023u))
+        * vec3(1.0 / 2047.0, 1.0 / 2047.0, 1.0 / 1023.0);
+    return root * root;
+}
+
+// Share of the tint for grazing views: the twin of `grazing` in coarse.rs.
+fn grazing(cosine_of_view: f32) -> f32 {
+    return min((1.0 - cosine_of_view) / 0.75, 1.0);
 }
 
 fn tap(btf: Layout, slices: ViewSlices, cell: LightCell) -> vec3<f32> {
@@ -102,7 +143,5 @@ fn level_of(entry: ptr<function, Entry>, footprint: Footprint) -> Layout {
     }
     btf.columns = max(btf.columns >> level, 1u);
     btf.rows = max(btf.rows >> level, 1u);
-    btf.texels.min = (*entry).coarse_min;
-    btf.texels.step = (*entry).coarse_step;
     return btf;
 }

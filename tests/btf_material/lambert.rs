@@ -2,6 +2,8 @@
 
 use std::f32::consts::PI;
 
+use farlight::btf::codec::{Info, fade_slope};
+
 use crate::support::flip;
 use crate::*;
 
@@ -97,4 +99,35 @@ fn deviation(stage: &mut Stage, to_light: Vec3, kind: u32) -> f32 {
     let deviation = (mean / expected - 1.0).abs().max_element();
     assert!(deviation < 0.005, "{to_light}, light {kind}: {mean} instead of {expected}");
     deviation
+}
+
+/// Twice the same plane: light lower than was measured falls with its cosine, or does not. The
+/// half floats and the tables take 0.5 %.
+#[test]
+fn light_fades_beyond_what_was_measured() {
+    let mut stage = Stage::new();
+    stage.float_camera(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 2.0);
+    let info = Info { light_limit: Some(60.0), ..white().info().clone() };
+    let slope = fade_slope(info.light_limit);
+    let btf = stage.btf(white().with_info(info));
+    let square = stage.mesh(Rectangle::new(1.0, 2.0));
+    for (fade_beyond_measured, x) in [(true, -0.5), (false, 0.5)] {
+        let material =
+            stage.material(BtfMaterial { fade_beyond_measured, ..BtfMaterial::new(btf.clone()) });
+        stage.spawn((Mesh3d(square.clone()), material, Transform::from_xyz(x, 0.0, 0.0)));
+    }
+    for degrees in [30.0_f32, 58.0, 70.0, 80.0] {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        let light = stage.spawn((
+            DirectionalLight { illuminance: 4.0 * PI, ..default() },
+            Transform::from_xyz(0.0, sine, cosine).looking_at(Vec3::ZERO, Vec3::X),
+        ));
+        stage.settle();
+        let pixels = stage.floats();
+        let [faded, plain] = [1, 3].map(|part| at(&pixels, part * SIZE / 4, SIZE / 2).y);
+        assert!((plain / (4.0 * cosine) - 1.0).abs() < 0.01, "{degrees}: {plain}");
+        let share = (slope * cosine).min(1.0);
+        assert!((faded / plain - share).abs() < 0.005, "{degrees}: {faded} of {plain}");
+        stage.world().despawn(light);
+    }
 }

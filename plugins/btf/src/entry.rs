@@ -1,7 +1,7 @@
 //! What the shader knows of a material: the twin of `shaders/btf/bindings.wgsl`.
 
 use bytemuck::{Pod, Zeroable};
-use farlight_btf_codec::Layout;
+use farlight_btf_codec::{Layout, fade_slope};
 
 use crate::{BtfMaterial, loading::Prepared, settings::Directions};
 
@@ -15,10 +15,12 @@ pub(crate) struct Entry {
     pub(crate) environment_directions: u32,
     pub(crate) coarse_offset: u32,
     pub(crate) coarse_count: u32,
-    pub(crate) coarse_min: f32,
-    pub(crate) coarse_step: f32,
+    pub(crate) coarse_tints: u32,
+    pub(crate) coarse_most: f32,
     pub(crate) albedo_directions: u32,
     pub(crate) mean: [f32; 3],
+    pub(crate) fade: f32,
+    pub(crate) padding: u32,
 }
 
 impl Entry {
@@ -31,17 +33,22 @@ impl Entry {
     ) -> Self {
         let layout = *prepared.btf.layout();
         let coarse = &prepared.coarse;
+        let coarse_offset = base + prepared.btf.words().len() as u32;
+        let limit =
+            if material.fade_beyond_measured { prepared.btf.info().light_limit } else { None };
         Self {
             btf: layout.moved(base),
             repeat: finite(material.repeat).to_array(),
             gain: if material.gain.is_finite() { material.gain } else { 1.0 },
             environment_directions: directions.environment,
-            coarse_offset: base + prepared.btf.words().len() as u32,
+            coarse_offset,
             coarse_count: coarse.count,
-            coarse_min: coarse.min,
-            coarse_step: coarse.step,
+            coarse_tints: coarse_offset + coarse.texels,
+            coarse_most: coarse.most,
             albedo_directions: directions.albedo,
             mean: coarse.mean.to_array(),
+            fade: fade_slope(limit),
+            padding: 0,
         }
     }
 }

@@ -56,6 +56,11 @@ pub struct BtfMaterial {
     pub filter: BtfFilter,
     /// Whether the backs of triangles are seen too, as the same material.
     pub double_sided: bool,
+    /// Whether light that stands lower than any that was measured
+    /// ([`Info::light_limit`](crate::codec::Info::light_limit)) fades out with its cosine. What the
+    /// data has there is extrapolated and does not end in black at the horizon, which shows as a hard
+    /// line round objects where their own shadow begins. Values above the limit are untouched.
+    pub fade_beyond_measured: bool,
 }
 
 impl BtfMaterial {
@@ -67,6 +72,7 @@ impl BtfMaterial {
             gain: 1.0,
             filter: BtfFilter::default(),
             double_sided: false,
+            fade_beyond_measured: true,
         }
     }
 }

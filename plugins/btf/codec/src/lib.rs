@@ -54,7 +54,7 @@ pub use colour::{ColourSpace, linear, srgb_encode};
 pub use error::BtfError;
 pub use evaluate::{Backend, Query, Rules, ViewSlices};
 pub use images::{ImageBtf, Picture, Resampled};
-pub use info::{Certainty, Info, Repair};
+pub use info::{Certainty, Info, Repair, fade_slope};
 pub use layout::{Coded, Layout, Packed};
 pub use material::{Btf, TableSize};
 pub use sample::{LightSample, LightSampler, ViewFrame};

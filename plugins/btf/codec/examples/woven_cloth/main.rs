@@ -139,6 +139,8 @@ fn run(options: &Options) -> Result<(), String> {
         name: "cloth".to_owned(),
         source: "made: a path-traced twill of indigo and ecru yarns (examples/woven_cloth of farlight_btf_codec)".to_owned(),
         size: Some([SIZE; 2]),
+        // Samples at 90 degrees hold what is at 84.
+        light_limit: Some(84.0),
         ..Info::default()
     };
     let btf = found.into_btf(info).map_err(|error| error.to_string())?;

@@ -43,6 +43,10 @@ pub enum Repairs {
 /// The longest file that is read into memory: a gibibyte.
 const LONGEST_FILE: u64 = 1 << 30;
 
+/// Degrees from the normal of the lowest lights of the measurements that BTFbase sets were made from
+/// (81 directions in rings of 15 degrees).
+const LIGHT_LIMIT: f32 = 75.0;
+
 /// A whole file, if it is not too long.
 fn read_bounded(path: &Path) -> Result<Vec<u8>, BtfError> {
     let io = |error| BtfError::io(path, error);

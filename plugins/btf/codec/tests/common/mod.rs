@@ -45,6 +45,7 @@ pub(crate) fn small() -> Btf {
         source: "a test".to_owned(),
         size: Some([0.1, 0.2]),
         measured: Some([81, 80]),
+        light_limit: Some(75.0),
         repairs: vec![Repair {
             table: "PDF1D".to_owned(),
             row: 3,

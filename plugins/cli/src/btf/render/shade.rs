@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 use std::ops::Range;
 
 use farlight_btf_codec::{
-    Angles, ColourSpace, LightSampler, Query, Rules, ViewFrame, read::Material,
+    Angles, ColourSpace, LightSampler, Query, Rules, ViewFrame, fade_slope, read::Material,
 };
 use farlight_gi_solver::sampling::{cosine_hemisphere, hash_pair, sobol_owen_4d};
 use glam::{Vec2, Vec3};
@@ -40,6 +40,8 @@ pub(super) struct Shader {
     suns: Vec<Sun>,
     /// Texels a unit of length.
     density: Vec2,
+    /// Of light that stands lower than was measured.
+    fade: f32,
 }
 
 /// How a picture is divided.
@@ -81,7 +83,8 @@ impl Shader {
         let [real_width, real_height] = material.info().size.unwrap_or([columns, rows]);
         let height = width * (real_height / real_width);
         let density = Vec2::new(columns / width, rows / height) * shape.scale(width);
-        Self { material, shape, environment, suns, density }
+        let fade = fade_slope(material.info().light_limit);
+        Self { material, shape, environment, suns, density, fade }
     }
 
     /// Tables are evaluated row by row on each processor; pictures in large blocks, by threads of their
@@ -190,10 +193,11 @@ impl Shader {
                 continue;
             }
             let angles = Angles::from_directions(light, view);
+            let strength = weight * sun.strength * (self.fade * light.z).min(1.0);
             for (dx, wx) in [(0, 1.0 - part.x), (1, part.x)] {
                 for (dy, wy) in [(0, 1.0 - part.y), (1, part.y)] {
                     let texel = [corner.x as i32 + dx, corner.y as i32 + dy];
-                    batch.push(texel, angles, pixel, Vec3::splat(weight * sun.strength * wx * wy));
+                    batch.push(texel, angles, pixel, Vec3::splat(strength * wx * wy));
                 }
             }
         }
@@ -236,7 +240,8 @@ impl Shader {
                     continue;
                 }
                 let density = density(local) + environment.pdf(world);
-                let arriving = environment.radiance(world) / (PI * density * DRAWS as f32);
+                let share = (self.fade * local.z).min(1.0) / (PI * density * DRAWS as f32);
+                let arriving = share * environment.radiance(world);
                 lights.push((Angles::from_directions(local, view), arriving));
             }
         }

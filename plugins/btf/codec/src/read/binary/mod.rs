@@ -7,7 +7,7 @@ use std::path::Path;
 
 use self::decode::{Codes, Cursor};
 use super::description::Description;
-use super::{Options, Repairs, read_bounded};
+use super::{LIGHT_LIMIT, Options, Repairs, read_bounded};
 use crate::{Btf, BtfError, Info, References, Samples, Scaled, Tables};
 
 /// The first line of every file that is known.
@@ -148,6 +148,7 @@ pub(crate) fn binary_from_bytes(bytes: &[u8], options: &Options) -> Result<Btf, 
         name: material.name.clone(),
         source: "BTFbase, binary".to_owned(),
         measured: Some(description.measured),
+        light_limit: Some(LIGHT_LIMIT),
         repairs,
         remarks,
         ..Info::default()

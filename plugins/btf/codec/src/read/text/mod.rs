@@ -7,7 +7,7 @@ use std::path::Path;
 
 use self::table::{references, samples, scaled};
 use super::description::{Description, Entry};
-use super::{Options, read_bounded};
+use super::{LIGHT_LIMIT, Options, read_bounded};
 use crate::{Btf, BtfError, ColourSpace, Info, Tables};
 
 /// Ends the name of the file that every material has.
@@ -90,6 +90,7 @@ pub fn read_text(folder: &Path, options: &Options) -> Result<Btf> {
         name,
         source: "BTFbase, text".to_owned(),
         measured: description.map(|description| description.measured),
+        light_limit: Some(LIGHT_LIMIT),
         remarks,
         ..Info::default()
     };
