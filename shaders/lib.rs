@@ -45,6 +45,7 @@ pub const MODULES: &[Module] = &modules![
     pure "btf/angles.wgsl",
     pure "btf/colour.wgsl",
     pure "btf/evaluate.wgsl",
+    pure "btf/queries.wgsl",
     pure "btf/evaluate_points.wgsl",
     pure "btf/evaluate_lights.wgsl",
     engine "lighting/surface.wgsl",

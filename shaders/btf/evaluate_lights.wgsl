@@ -4,18 +4,8 @@
 #import farlight::math::sine_cosine
 #import farlight::btf::angles::slice_of_direction
 #import farlight::btf::evaluate::{evaluate_slices, view_slices}
-#import farlight::btf::layout::Layout
+#import farlight::btf::queries::{btf, queries, values}
 
-struct Query {
-    // Column and row.
-    texel: vec2<u32>,
-    // Two that are not used, then theta and phi of the view in radians.
-    angles: vec4<f32>,
-}
-
-@group(0) @binding(0) var<uniform> btf: Layout;
-@group(0) @binding(2) var<storage, read> queries: array<Query>;
-@group(0) @binding(3) var<storage, read_write> values: array<vec4<f32>>;
 // Unit vectors in the frame of the surface.
 @group(0) @binding(4) var<storage, read> lights: array<vec4<f32>>;
 
