@@ -9,7 +9,7 @@
 //! the neighbours that come next, as in error diffusion, so that the mean over the picture stays.
 
 use bevy::math::Vec3;
-use farlight_btf_codec::{Angles, Btf, Layout, Rules, SliceAngles, linear};
+use farlight_btf_codec::{Angles, Btf, Rules, SliceAngles};
 
 /// Tables of texels at half, quarter, .. size, down to about 4 x 4 texels.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -106,7 +106,7 @@ impl<'a> Prober<'a> {
             for (light, angles) in lights.iter().enumerate() {
                 let value = self.btf.evaluate_slices(&slices, *angles, Rules::SHADING);
                 let probe = view * LIGHTS.len() + light;
-                values[probe] = self.scales[probe] * to_linear(self.btf, value);
+                values[probe] = self.scales[probe] * self.btf.colour_space().to_linear(value);
             }
         }
         values
@@ -249,11 +249,6 @@ fn slice_angles(view: (f64, f64), light: (f64, f64)) -> SliceAngles {
     SliceAngles::new(angles.theta_i, angles.phi_i - angles.phi_v, false)
 }
 
-/// From a value of [`Rules::SHADING`] to a factor of light.
-fn to_linear(btf: &Btf, value: Vec3) -> Vec3 {
-    if btf.layout().flags & Layout::LOG_LUV != 0 { value } else { (value / 255.0).map(linear) }
-}
-
 /// Albedo seen from 30 degrees, mean over a grid of texels.
 fn mean_albedo(btf: &Btf) -> Vec3 {
     const DIRECTIONS: u32 = 16;
@@ -270,7 +265,7 @@ fn mean_albedo(btf: &Btf) -> Vec3 {
             let turn = direction as f32 * 2.399_963_2;
             let light = SliceAngles::new(height.acos(), turn - view.phi_v, false);
             let value = btf.evaluate_slices(&slices, light, Rules::SHADING);
-            sum += to_linear(btf, value);
+            sum += btf.colour_space().to_linear(value);
         }
     }
     sum * (2.0 / DIRECTIONS as f32 / (GRID * GRID) as f32)
@@ -332,7 +327,7 @@ mod tests {
         let lit = slice_angles(view, light);
         let value = |x: u32, y: u32| {
             let slices = btf.view_slices(x as i32, y as i32, angles.theta_v, angles.phi_v);
-            to_linear(btf, btf.evaluate_slices(&slices, lit, Rules::SHADING))
+            btf.colour_space().to_linear(btf.evaluate_slices(&slices, lit, Rules::SHADING))
         };
         let own = &btf.words()[layout.texels.offset as usize..][..4096];
         let first: u32 = (1..level).map(|level| (64 >> level) * (64 >> level)).sum();
