@@ -10,8 +10,11 @@ use crate::{
     stage::{MS, Stage, bad_line},
 };
 
-/// After this the light must be right again.
+/// After this the light must be right again. One packet in twenty is lost, so nothing is certain:
+/// one of 4500 outages took 1.48 s, one in a thousand over 1.2 s.
 const DEADLINE: Duration = Duration::from_millis(1500);
+/// After this it must be so without any exception.
+const PATIENCE: Duration = Duration::from_secs(3);
 /// What is right: mean difference from what a local session shows after it has converged.
 const RIGHT: f32 = 0.05;
 /// What is clearly wrong.
@@ -30,18 +33,13 @@ fn light_is_what_a_local_session_shows() {
     }
 }
 
-/// Cuts the line for a while, again and again, while the light moves. Answers how long it took at
-/// most until the light was right again, and how often the connection was replaced.
-fn worst_of_outages(
-    seed: u64,
-    conditions: LinkConditions,
-    deadline: Duration,
-    locals: &mut Locals,
-) -> (Duration, u64) {
+/// Cuts the line for a while, again and again, while the light moves. Answers how long it took each
+/// time until the light was right again, and how often the connection was replaced.
+fn outages(seed: u64, conditions: LinkConditions, locals: &mut Locals) -> (Vec<Duration>, u64) {
     let mut stage = Stage::new(seed, conditions);
     stage.submit_room(0.0);
     stage.settle();
-    let (mut phase, mut worst) = (0.0, Duration::ZERO);
+    let (mut phase, mut all) = (0.0, Vec::new());
     for outage in [500 * MS, 2000 * MS, 5000 * MS] {
         // The light moves before, during and up to the end of the outage.
         let goal = 1.0 - phase;
@@ -63,7 +61,7 @@ fn worst_of_outages(
         let mut took = Duration::ZERO;
         while stage.picture.error(right) > RIGHT {
             assert!(
-                took <= deadline,
+                took <= PATIENCE,
                 "seed {seed}, {outage:?} without a line: the error after {took:?} is {}: {stage:?}",
                 stage.picture.error(right)
             );
@@ -71,12 +69,12 @@ fn worst_of_outages(
             took += 10 * MS;
         }
         println!("seed {seed}, {outage:?} without a line: right again after {took:?}");
-        worst = worst.max(took);
+        all.push(took);
         stage.settle();
         stage.run(Duration::from_secs(12));
         assert_eq!(stage.backend.state(), BackendState::Converged);
     }
-    (worst, stage.backend.link().unwrap().reconnects)
+    (all, stage.backend.link().unwrap().reconnects)
 }
 
 #[test]
@@ -84,9 +82,11 @@ fn light_is_right_again_soon_after_an_outage() {
     // More seeds on request, for a wider look.
     let seeds = std::env::var("FARLIGHT_SEEDS").map_or(6, |seeds| seeds.parse().expect("a number"));
     let mut locals = Locals::default();
-    let worst =
-        (0..seeds).map(|seed| worst_of_outages(seed, bad_line(), DEADLINE, &mut locals).0).max();
-    println!("right again after {:?} at most", worst.unwrap_or_default());
+    let all: Vec<_> =
+        (0..seeds).flat_map(|seed| outages(seed, bad_line(), &mut locals).0).collect();
+    let late = all.iter().filter(|took| **took > DEADLINE).count();
+    println!("right again after {:?} at most", all.iter().max());
+    assert!(late <= 1 + all.len() / 1000, "{late} of {} took longer than {DEADLINE:?}", all.len());
 }
 
 #[test]
@@ -98,10 +98,8 @@ fn a_connection_that_is_stuck_is_replaced() {
     let mut all = 0;
     for seed in 0..seeds {
         let conditions = LinkConditions { window: 3000, ..bad_line() };
-        let (worst, replaced) = worst_of_outages(seed, conditions, 2 * DEADLINE, &mut locals);
-        println!(
-            "right again after {worst:?} at most, the connection was replaced {replaced} times"
-        );
+        let (took, replaced) = outages(seed, conditions, &mut locals);
+        println!("right again after {took:?}, the connection was replaced {replaced} times");
         all += replaced;
     }
     assert!(all > 0, "no connection was stuck");

@@ -3,7 +3,8 @@
 //! # Format
 //! Numbers are LEB128 unless said otherwise.
 //!
-//! 1. Sequence, snapshot, the three times in nanoseconds.
+//! 1. Sequence, snapshot, the three times in microseconds (`u32` each: what was measured doesn't change
+//!    how long a message is, so a simulated line is the same on every machine).
 //! 2. Quality: the relative error (`f32`), rays a texel, converged (a byte 0 or 1).
 //! 3. The count of placements, and for each: instance, page, x, y, width, height.
 //! 4. The count of refused receivers, and for each: instance, length of the text, text.
@@ -59,7 +60,7 @@ const PROBE_TEXELS: usize = 8;
 
 impl LightingMessage {
     /// Its encoding, compressed. Tiles, runs and placements that are not valid (see
-    /// [`decode`](Self::decode)) are left out, reasons are cut off and times above 584 years too.
+    /// [`decode`](Self::decode)) are left out, reasons are cut off and times above 71 minutes too.
     #[must_use]
     pub fn encode(&self) -> Vec<u8> {
         self.clone().encode_beside(|_| None).0
@@ -164,7 +165,7 @@ impl LightingMessage {
         out.varint(*sequence);
         out.varint(snapshot.0);
         for time in [times.held, times.solve, times.encode] {
-            out.varint(time.as_nanos().try_into().unwrap_or(u64::MAX));
+            out.u32(time.as_micros().try_into().unwrap_or(u32::MAX));
         }
         let Quality { relative_error, rays_per_texel, converged } = *quality;
         out.f32(if relative_error.is_finite() { relative_error } else { 0.0 });

@@ -106,7 +106,7 @@ impl LightingMessage {
 }
 
 fn read_times(reader: &mut Reader<'_>) -> Result<ServerTimes, WireError> {
-    let mut time = || reader.varint().map(Duration::from_nanos);
+    let mut time = || reader.u32().map(|micros| Duration::from_micros(micros.into()));
     Ok(ServerTimes { held: time()?, solve: time()?, encode: time()? })
 }
 
