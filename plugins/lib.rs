@@ -82,7 +82,7 @@ pub mod prelude {
     pub use crate::FarlightPlugins;
     #[cfg(feature = "btf")]
     pub use farlight_btf::{BtfAsset, BtfFilter, BtfMaterial, BtfPlugin};
-    pub use farlight_core::{DerivedLight, SkyRadiance, SkySource};
+    pub use farlight_core::{DerivedLight, DirectSky, SkyRadiance, SkySource};
     #[cfg(feature = "gi")]
     pub use farlight_gi::{
         GiControl, GiDynamic, GiLightmaps, GiPlugin, GiProbeVolume, GiScene, GiSettings, GiState,

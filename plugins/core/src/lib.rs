@@ -28,7 +28,7 @@ pub use cost::{CostMeter, Measured, thread_cpu_time};
 pub use light::DerivedLight;
 pub use ron_asset::{FieldProblem, RonError, RonLoader, RonPlugin, RonSettings, parse_ron};
 pub use shaders::shader_path;
-pub use sky::{SkyRadiance, SkySource, SkyTaken};
+pub use sky::{DirectSky, SkyRadiance, SkySource, SkyTaken};
 pub use status::{LeftOut, TimeStats, TimeWindow};
 pub use surface::{DiffuseReflectance, LightmapSystems};
 pub use upload::{Region, RegionProblem, TextureUploads, Ticket, UploadProgress};
