@@ -12,6 +12,9 @@ const WINDOWS: [(usize, f64, [f64; 2], [f64; 2]); 3] = [
     (0, HIGH[0], [-0.6, 1.4], [1.85, 3.05]),
     (2, LOW[2], [-2.3, -1.5], [-0.1, 1.2]),
 ];
+/// Ranges of the rug along x and z, and of the door in the wall that the object faces along x.
+const RUG: [[f64; 2]; 2] = [[-1.6, 1.4], [-1.1, 1.1]];
+const DOOR: [f64; 2] = [-2.2, -1.2];
 /// Light that has been reflected more than once.
 const AMBIENT: P = [0.16, 0.15, 0.14];
 
@@ -34,9 +37,17 @@ pub(super) fn radiance(d: P) -> P {
     }
     let mut normal = [0.0; 3];
     normal[axis] = -d[axis].signum();
-    let light = add(daylight(p, normal), AMBIENT);
+    let light = add(daylight(p, normal), scale(AMBIENT, openness(p, axis)));
     let albedo = albedo(p, axis, d[axis] > 0.0);
     [0, 1, 2].map(|k| albedo[k] * light[k])
+}
+
+/// How much of what is reflected more than once arrives: less towards edges and corners.
+fn openness(p: P, axis: usize) -> f64 {
+    others(axis).iter().fold(1.0, |open, &k| {
+        let distance = (p[k] - LOW[k]).min(HIGH[k] - p[k]);
+        open * (0.6 + 0.4 * ramp(-0.2, 0.9, distance))
+    })
 }
 
 fn others(axis: usize) -> [usize; 2] {
@@ -84,7 +95,7 @@ fn daylight(p: P, normal: P) -> P {
             // From above comes sky, from below the garden.
             let sky = ramp(-0.3, 0.3, way[1] / length);
             let radiance = [0, 1, 2].map(|k| {
-                let garden = [0.9, 1.25, 0.6][k];
+                let garden = [0.8, 0.9, 0.55][k];
                 garden + ([11.0, 12.0, 13.5][k] - garden) * sky
             });
             sum = add(sum, scale(radiance, cosines * area / (square * std::f64::consts::PI)));
@@ -93,9 +104,17 @@ fn daylight(p: P, normal: P) -> P {
     sum
 }
 
-/// Boards on the floor, a picture on the left wall, plaster.
+/// Boards and a rug on the floor, a door in front, a picture on the left wall, plaster with a skirting.
 fn albedo(p: P, axis: usize, positive: bool) -> P {
     match (axis, positive) {
+        (1, false) if within(p[0], RUG[0]) && within(p[2], RUG[1]) => {
+            let edge = (p[0] - RUG[0][0])
+                .min(RUG[0][1] - p[0])
+                .min(p[2] - RUG[1][0])
+                .min(RUG[1][1] - p[2]);
+            let band = edge < 0.07 || within(edge, [0.14, 0.20]);
+            if band { [0.58, 0.51, 0.40] } else { [0.27, 0.10, 0.09] }
+        }
         (1, false) => {
             let board = (p[0] / 0.22).floor();
             let tone = 0.85 + 0.3 * (board * 0.618 - (board * 0.618).floor());
@@ -103,6 +122,23 @@ fn albedo(p: P, axis: usize, positive: bool) -> P {
             [0.42, 0.27, 0.15].map(|c| c * tone * joint)
         }
         (1, true) => [0.82, 0.81, 0.78],
+        // The skirting stands on the floor of every wall.
+        (0 | 2, _) if p[1] < LOW[1] + 0.12 => [0.74, 0.72, 0.68],
+        (2, true) if within(p[0], DOOR) && p[1] < 0.85 => {
+            let (u, v) = ((p[0] - DOOR[0]) / (DOOR[1] - DOOR[0]), (p[1] - LOW[1]) / 2.15);
+            let frame = !within(u, [0.07, 0.93]) || v > 0.96;
+            let panel = within(u, [0.2, 0.8]) && (within(v, [0.1, 0.42]) || within(v, [0.5, 0.88]));
+            let handle = within(u, [0.84, 0.9]) && within(v, [0.44, 0.47]);
+            if handle {
+                [0.25, 0.2, 0.12]
+            } else if frame {
+                [0.74, 0.72, 0.68]
+            } else if panel {
+                [0.30, 0.36, 0.36]
+            } else {
+                [0.36, 0.42, 0.42]
+            }
+        }
         (0, false) if within(p[1], [-0.2, 0.9]) && within(p[2], [-1.2, 0.6]) => {
             let frame = !within(p[1], [-0.13, 0.83]) || !within(p[2], [-1.13, 0.53]);
             let hill = p[1] < 0.25 + 0.1 * (p[2] * 3.0).sin();

@@ -3,8 +3,12 @@
 //! `u = 0.5 + atan2(x, -z) / 2 pi`, `v = acos(y) / pi`: the centre is -z, right is +x, row 0 is up. An
 //! object faces +z, where both edges of the picture meet. A value of 1 is a bright wall.
 
+mod evening;
 mod hdr;
 mod interior;
+mod landscape;
+mod noise;
+mod overcast;
 mod sky;
 mod studio;
 
@@ -14,12 +18,22 @@ use super::part::P;
 
 const WIDTH: usize = 512;
 const HEIGHT: usize = WIDTH / 2;
+/// Angle that a pixel covers, in radians.
+const PIXEL: f64 = PI / HEIGHT as f64;
+
+/// Cosines of the angles where a sun's disc ends and where its edge begins. It is larger than the real
+/// one, so that some pixels hold it.
+const SUN_DISC: [f64; 2] = [0.9994, 0.9998];
+/// Solid angle of that disc, its edge counted as half, over pi.
+const SUN_DISC_SHARE: f64 = 2.0 - SUN_DISC[0] - SUN_DISC[1];
 
 /// The environments: file name and file.
 pub(super) fn all() -> Vec<(&'static str, Vec<u8>)> {
     vec![
         ("studio.hdr", paint(studio::radiance)),
         ("sky.hdr", paint(sky::radiance)),
+        ("evening.hdr", paint(evening::radiance)),
+        ("overcast.hdr", paint(overcast::radiance)),
         ("interior.hdr", paint(interior::radiance)),
     ]
 }
@@ -53,12 +67,17 @@ fn ramp(from: f64, to: f64, v: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
+/// How much of a sun is seen at an angle of this cosine from its middle.
+fn sun_disc(cosine: f64) -> f64 {
+    ramp(SUN_DISC[0], SUN_DISC[1], cosine)
+}
+
 #[cfg(test)]
 mod tests {
     #[test]
     fn files_are_small() {
         for (name, bytes) in super::all() {
-            assert!(bytes.len() < 300_000, "{name}: {} bytes", bytes.len());
+            assert!(bytes.len() < 400_000, "{name}: {} bytes", bytes.len());
         }
     }
 }

@@ -1,53 +1,61 @@
-//! A clear day: sun, blue sky, some clouds, meadows to the horizon.
+//! A clear day: sun, blue sky, fair-weather clouds, a meadow to the hills.
 
-use super::{mix, ramp};
+use super::{
+    PIXEL, SUN_DISC_SHARE,
+    landscape::{self, Daylight},
+    mix,
+    noise::octaves,
+    ramp, sun_disc,
+};
 use crate::assets::part::{P, add, dot, normalize, scale};
 
 const SUN: P = [0.62, 0.62, 0.55];
-/// Cosines of the angles where the sun's disc ends and where its edge begins. It is larger than the
-/// real one, so that some pixels hold it.
-const DISC: [f64; 2] = [0.9994, 0.9998];
-/// Chosen so that the sun gives about four times what the sky gives.
+/// Chosen so that a surface that faces the sun gets three and a half times as much from it as from
+/// all else.
 const SUNLIGHT: P = [2500.0, 2250.0, 1850.0];
 
 pub(super) fn radiance(d: P) -> P {
     let sun = normalize(SUN);
     let near = dot(d, sun);
-    let up = d[1];
-    // The sky pales towards the horizon and the sun.
-    let mut light = mix([0.80, 0.90, 1.02], [0.12, 0.27, 0.66], ramp(-0.15, 0.85, up).powf(0.8));
     let glow = near.max(0.0);
-    light = add(light, scale([1.0, 0.9, 0.7], 0.35 * glow.powi(8) + 1.6 * glow.powi(120)));
-    if up > 0.02 {
-        // Clouds on a ceiling, smaller and fainter with distance.
-        let (x, z) = (d[0] / (up + 0.12), d[2] / (up + 0.12));
-        let density = ramp(0.52, 0.86, clouds(x * 1.1 + 3.7, z * 1.1 + 1.3)) * ramp(0.02, 0.25, up);
-        let lit = add([0.92, 0.94, 0.98], scale([0.9, 0.8, 0.65], glow.powi(6)));
-        light = mix(light, lit, 0.85 * density);
-    }
-    light = add(light, scale(SUNLIGHT, ramp(DISC[0], DISC[1], near)));
-    // Hills, then meadows that the sun lights.
-    let hills = 0.018 + 0.02 * clouds(d[0] * 3.0 + 9.0, d[2] * 3.0);
-    let ground = mix([0.21, 0.27, 0.11], [0.32, 0.37, 0.30], ramp(-0.25, 0.0, up));
-    mix(ground, light, ramp(hills - 0.004, hills + 0.004, up))
-}
-
-/// Three octaves of value noise, 0..1.
-fn clouds(x: f64, y: f64) -> f64 {
-    0.55 * noise(x, y) + 0.30 * noise(2.1 * x + 5.2, 2.1 * y) + 0.15 * noise(4.3 * x, 4.3 * y + 8.1)
-}
-
-fn noise(x: f64, y: f64) -> f64 {
-    let (fx, fy) = (x - x.floor(), y - y.floor());
-    let at = |dx: i64, dy: i64| {
-        let (x, y) = (x.floor() as i64 + dx, y.floor() as i64 + dy);
-        let mut h = (x as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)
-            ^ (y as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f);
-        h = (h ^ h >> 31).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        h = (h ^ h >> 29).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (h >> 40) as f64 / (1_u64 << 24) as f64
+    let up = d[1].max(0.0);
+    // The sky pales towards the horizon and the sun.
+    let mut light = mix([0.78, 0.88, 1.0], [0.11, 0.25, 0.62], ramp(-0.15, 0.85, up).powf(0.8));
+    light = add(light, scale([1.0, 0.9, 0.7], 0.30 * glow.powi(8) + 1.6 * glow.powi(120)));
+    let (cloud, cover) = clouds(d, sun, glow);
+    light = mix(light, cloud, cover);
+    // The sun stands clear of the clouds.
+    light = add(light, scale(SUNLIGHT, sun_disc(near)));
+    let daylight = Daylight {
+        sun,
+        sunlight: scale(SUNLIGHT, SUN_DISC_SHARE),
+        skylight: [0.36, 0.46, 0.64],
+        haze: [0.62, 0.72, 0.84],
     };
-    let (tx, ty) = (ramp(0.0, 1.0, fx), ramp(0.0, 1.0, fy));
-    let row = |dy: i64| at(0, dy) + (at(1, dy) - at(0, dy)) * tx;
-    row(0) + (row(1) - row(0)) * ty
+    landscape::before(light, d, &daylight)
+}
+
+/// Radiance and cover of heaps of cloud on a ceiling, smaller and fainter with distance.
+fn clouds(d: P, sun: P, glow: f64) -> (P, f64) {
+    let up = d[1];
+    if up < 0.01 {
+        return ([0.0; 3], 0.0);
+    }
+    let bend = up + 0.10;
+    let at = [1.25 * d[0] / bend + 3.7, 1.25 * d[2] / bend + 1.3];
+    let footprint = 1.25 * PIXEL / (bend * bend);
+    let density = |[x, y]: [f64; 2]| {
+        // Bent by another noise, the heaps curl.
+        let bent = 0.35 * octaves([x * 0.7 + 11.0, y * 0.7], footprint);
+        octaves([x + bent, y - bent], footprint)
+    };
+    let here = density(at);
+    let cover = ramp(0.10, 0.34, here) * ramp(0.01, 0.12, up);
+    // How much cloud stands between this place and the sun.
+    let towards = [at[0] + 0.22 * sun[0], at[1] + 0.22 * sun[2]];
+    let lit = ramp(-0.28, 0.30, here - density(towards).max(-0.1));
+    let thick = ramp(0.15, 0.8, here);
+    let shade = mix([0.60, 0.66, 0.76], [0.36, 0.40, 0.48], thick);
+    let bright = add([1.02, 0.99, 0.94], scale([1.0, 0.85, 0.65], glow.powi(8)));
+    (mix(shade, bright, lit), 0.95 * cover)
 }
