@@ -1,0 +1,34 @@
+//! Light from far away: reads environment maps, and turns them into directional lights.
+//!
+//! An [`Environment`] is an equirectangular map of linear Rec. 709 radiance, whatever it was read
+//! from. [`Environment::lights`] replaces it by N [`EnvironmentLight`]s whose sum lights a surface as
+//! the map does. This crate knows no engine.
+//!
+//! ```
+//! use farlight_environment::{Environment, LightRequest};
+//! use glam::Vec3;
+//!
+//! let sky = Environment::from_equirect(4, 2, vec![Vec3::ONE; 8])?;
+//! let lights = sky.lights(&LightRequest { count: 64, ..Default::default() });
+//! let lit = |normal: Vec3| -> Vec3 {
+//!     lights.iter().map(|light| light.irradiance * light.direction.dot(normal).max(0.0)).sum()
+//! };
+//! let exact = sky.irradiance(Vec3::Y);
+//! assert!((exact.x - std::f32::consts::PI).abs() < 1e-3);
+//! assert!((lit(Vec3::Y) - exact).length() < 0.5 * exact.length());
+//! # Ok::<(), farlight_environment::EnvironmentError>(())
+//! ```
+
+mod environment;
+mod error;
+mod layout;
+mod lights;
+mod random;
+mod read;
+mod shrink;
+mod sphere;
+
+pub use environment::{Environment, Repairs};
+pub use error::EnvironmentError;
+pub use layout::Layout;
+pub use lights::{EnvironmentLight, LightRequest, Method, UnknownName};
