@@ -1,10 +1,13 @@
-//! What the integration tests share: apps without a window, pictures compared by FLIP.
+//! What the integration tests share: apps without a window, pictures compared by FLIP or with formulas.
 #![allow(dead_code, unreachable_pub, reason = "every test uses its own part")]
 
+pub mod ball;
 pub mod cornell;
 pub mod flip;
 #[path = "../../examples/common/headless.rs"]
 pub mod headless;
+pub mod linear;
+pub mod shading;
 
 use std::path::{Path, PathBuf};
 
