@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod integral;
 mod one_light;
 
 use std::{fmt, sync::Arc, time::Duration};
@@ -23,7 +24,6 @@ struct Stage {
     target: LinearTarget,
     ball: Ball,
     object: Entity,
-    camera: Entity,
 }
 
 impl Stage {
@@ -44,10 +44,10 @@ impl Stage {
         let target = LinearTarget::new(&mut headless.app, SIZE);
         let ball = Ball::filling(SIZE);
         let world = headless.app.world_mut();
-        let camera = world.spawn((target.camera(), ball.projection(), ball.pose())).id();
+        world.spawn((target.camera(), ball.projection(), ball.pose()));
         let mesh = world.resource_mut::<Assets<Mesh>>().add(ball.mesh());
         let object = world.spawn((Mesh3d(mesh), Transform::default())).id();
-        let mut stage = Self { headless, target, ball, object, camera };
+        let mut stage = Self { headless, target, ball, object };
         stage.cover(surface);
         stage
     }

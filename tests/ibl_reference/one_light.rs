@@ -13,8 +13,8 @@ const LIGHTS: [Vec3; 4] = [
 /// In lux; different in each channel.
 const IRRADIANCE: DVec3 = DVec3::new(4.0, 2.0, 1.0);
 
-/// A ball under each light in turn, every pixel of it against the formula at its centre. Half floats
-/// and facets take 0.1 %; the largest allowed mean is 0.5 %.
+/// A ball under each light in turn, every pixel of it against the formula at its centre: half floats
+/// that are cut off, not rounded, are 0.05 % too dark, and facets take a little more.
 fn check(name: &str, surface: Surface) {
     let mut stage = Stage::new(&surface);
     for direction in LIGHTS {
@@ -39,7 +39,7 @@ fn check(name: &str, surface: Surface) {
         let deviation = Deviation::over(&pairs);
         println!("{name}, light from {direction}: {deviation} ({})", stage.headless.adapter());
         assert!(deviation.pixels > 200, "{name}: {deviation}");
-        assert!(deviation.absolute < 0.005, "{name}, {direction}: {deviation}");
+        assert!(deviation.absolute < 0.002, "{name}, {direction}: {deviation}");
         stage.world().despawn(light);
     }
 }

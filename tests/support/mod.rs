@@ -6,6 +6,7 @@ pub mod cornell;
 pub mod flip;
 #[path = "../../examples/common/headless.rs"]
 pub mod headless;
+pub mod integral;
 pub mod linear;
 pub mod shading;
 
