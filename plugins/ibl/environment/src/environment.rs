@@ -9,7 +9,7 @@ use crate::{EnvironmentError, Layout, read, shrink::Shrink, sphere};
 
 /// Files larger than this are refused: 2 GiB.
 const LARGEST_FILE: u64 = 1 << 31;
-/// Sums over the sphere take at least so many cells, whatever the map has.
+/// Irradiance is summed over at least so many cells, whatever the map has.
 const FEWEST: [usize; 2] = [512, 256];
 
 /// An equirectangular map of linear Rec. 709 radiance.
@@ -133,7 +133,7 @@ impl Environment {
     #[must_use]
     pub fn irradiance(&self, normal: Vec3) -> Vec3 {
         let normal = normal.as_dvec3();
-        let [parts_x, parts_y] = self.parts();
+        let [parts_x, parts_y] = self.parts(FEWEST);
         let columns = self.width * parts_x;
         let edge = |x: usize| sphere::azimuth(x as f64, columns);
         let sectors: Vec<f64> = (0..columns)
@@ -164,8 +164,8 @@ impl Environment {
         sum.as_vec3()
     }
 
-    /// Into how many columns and rows each texel is cut for sums over the sphere.
-    pub(crate) fn parts(&self) -> [usize; 2] {
-        [FEWEST[0].div_ceil(self.width), FEWEST[1].div_ceil(self.height)]
+    /// Into how many columns and rows each texel is cut, so that there are `fewest` at least.
+    pub(crate) fn parts(&self, fewest: [usize; 2]) -> [usize; 2] {
+        [fewest[0].div_ceil(self.width), fewest[1].div_ceil(self.height)]
     }
 }

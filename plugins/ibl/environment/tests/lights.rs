@@ -2,18 +2,9 @@
 
 mod common;
 
-use common::{Error, maps, mean_error, normals};
-use farlight_environment::{LightRequest, Method};
-
-#[test]
-fn independent_lights_err_as_known() {
-    for (name, map) in maps() {
-        let error = mean_error(&map, 200, Method::Independent, 16);
-        println!("{name}: {error}");
-        // Figures of another implementation of the method on such maps: 7 to 14 %.
-        assert!(error.mean > 0.03 && error.mean < 0.2, "{name}: {error}");
-    }
-}
+use common::{exact, irradiances, maps, mean_error};
+use farlight_environment::{EnvironmentLight, LightExtractor, LightRequest, Method};
+use glam::Vec3;
 
 #[test]
 fn lights_are_unit_vectors_and_the_seed_decides_them() {
@@ -36,8 +27,141 @@ fn lights_are_unit_vectors_and_the_seed_decides_them() {
 }
 
 #[test]
-fn the_measure_finds_a_difference() {
-    let sums = vec![glam::Vec3::ONE; normals().len()];
-    let twice: Vec<_> = sums.iter().map(|sum| 2.0 * *sum).collect();
-    assert_eq!(Error::of(&twice, &sums).mean, 1.0);
+fn regions_keep_the_energy_of_each_channel_and_share_the_luminance() {
+    let luminance = |rgb: Vec3| rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+    for (name, map) in maps() {
+        let [width, height] = [map.width() as usize, map.height() as usize];
+        let cos = |row: usize| (std::f64::consts::PI * row as f64 / height as f64).cos();
+        let mut energy = glam::DVec3::ZERO;
+        for (at, texel) in map.texels().iter().enumerate() {
+            let turn = std::f64::consts::TAU / width as f64;
+            energy += texel.as_dvec3() * turn * (cos(at / width) - cos(at / width + 1));
+        }
+        for method in [Method::Regions, Method::Centroids] {
+            // Not a power of two; and more lights than some maps have bright texels.
+            for count in [1, 11, 200, 4096] {
+                let lights = map.lights(&LightRequest { count, method, seed: 3 });
+                let sum: glam::DVec3 = lights.iter().map(|l| l.irradiance.as_dvec3()).sum();
+                // Single floats, added up without their error.
+                assert!((sum / energy - 1.0).abs().max_element() < 1e-5, "{name} {method} {count}");
+                let share = luminance(energy.as_vec3()) / count as f32;
+                for light in lights.iter().filter(|_| method == Method::Regions) {
+                    let part = luminance(light.irradiance) / share;
+                    assert!((part - 1.0).abs() < 1e-3, "{name} {count}: {part} of a share");
+                }
+            }
+        }
+    }
+}
+
+/// The finish line of the method that is the default: a quarter of the error of lights drawn each by
+/// itself, and 1 % with 256 lights.
+#[test]
+fn errors_of_irradiance() {
+    let mut below = 0;
+    let maps = maps();
+    for (name, map) in &maps {
+        let [independent, stratified, regions, best] = [
+            (Method::Independent, 64),
+            (Method::Stratified, 16),
+            (Method::Regions, 16),
+            (Method::default(), 64),
+        ]
+        .map(|(method, seeds)| mean_error(map, 200, method, seeds));
+        println!("{name:29} 200 independent {independent}");
+        println!("{name:29} 200 stratified  {stratified}");
+        println!("{name:29} 200 regions     {regions}");
+        println!("{name:29} 200 centroids   {best}");
+        // Another implementation of the first method errs by 7 to 14 % on such maps.
+        assert!(independent.mean > 0.05 && independent.mean < 0.16, "{name}");
+        assert!(stratified.mean < 0.6 * independent.mean, "{name}");
+        assert!(best.mean < 0.25 * independent.mean, "{name}");
+        // Worst where most normals see a small part of the light only.
+        let limit = if name.contains("studio_small") { 0.7 } else { 0.25 };
+        assert!(regions.mean < limit * independent.mean, "{name}");
+        let best = mean_error(map, 256, Method::default(), 16);
+        println!("{name:29} 256 centroids   {best}");
+        below += usize::from(best.mean < 0.01);
+    }
+    assert!(below * 10 >= maps.len() * 9, "{below} of {} maps below 1 %", maps.len());
+}
+
+/// Five of 200 lights, from the first on and from another one on, are right on average.
+#[test]
+fn runs_are_unbiased() {
+    let (name, map) = maps().into_iter().find(|(name, _)| name == "sky.hdr").unwrap();
+    let whole = exact(&map);
+    for method in Method::ALL {
+        let extractor = LightExtractor::new(&map, method);
+        for start in [0, 77] {
+            let seeds = 1500;
+            let mut sums = vec![[0.0, 0.0]; whole.len()];
+            let mut own = vec![0.0; whole.len()];
+            for seed in 0..seeds {
+                let lights = extractor.lights(200, seed);
+                for (at, (found, all)) in irradiances(&lights[start..start + 5])
+                    .iter()
+                    .zip(irradiances(&lights))
+                    .enumerate()
+                {
+                    let value = f64::from(found.element_sum()) * 200.0 / 5.0;
+                    sums[at][0] += value;
+                    sums[at][1] += value * value;
+                    own[at] += f64::from(all.element_sum()) / seeds as f64;
+                }
+            }
+            let seeds = seeds as f64;
+            let (mut squares, count) = (0.0, whole.len() as f64);
+            for ((sum, whole), own) in sums.iter().zip(&whole).zip(&own) {
+                let mean = sum[0] / seeds;
+                let error = ((sum[1] / seeds - mean * mean) / (seeds - 1.0)).sqrt();
+                let truth = match method {
+                    Method::Centroids => *own,
+                    _ => f64::from(whole.element_sum()),
+                };
+                // So a bias of a fifth would be seen at any normal.
+                assert!(error < 0.04 * truth, "{name} {method}: {error} of {truth}");
+                let z = (mean - truth) / error;
+                // Beyond five once in a million tries; there are 512.
+                assert!(z.abs() < 5.0, "{name} {method} {start}: z = {z}");
+                squares += z * z / count;
+            }
+            // 1 on average; neighbouring normals vary together, so it is far from sharp.
+            assert!(squares < 4.0, "{name} {method} {start}: mean z^2 = {squares}");
+            println!("{name} {method} from {start}: mean z^2 = {squares:.2}");
+        }
+    }
+}
+
+/// The light of a frame, five consecutive lights, varies less than that of a shuffled order.
+#[test]
+fn runs_are_spread_over_the_sky() {
+    for (name, map) in maps() {
+        let whole = exact(&map);
+        // Mean square over runs and normals of the relative error of a run.
+        let error = |lights: &[EnvironmentLight]| {
+            let count = lights.len();
+            let squares = (0..count).flat_map(|start| {
+                let run: Vec<_> = (start..start + 5).map(|at| lights[at % count]).collect();
+                let found = irradiances(&run);
+                let parts =
+                    found.iter().zip(&whole).map(|(f, w)| f.element_sum() / w.element_sum());
+                parts.map(|part| (part * count as f32 / 5.0 - 1.0).powi(2)).collect::<Vec<_>>()
+            });
+            squares.sum::<f32>() / (count * whole.len()) as f32
+        };
+        let (mut spread, mut shuffled, mut random) = (0.0, 0.0, 1_u32);
+        for seed in 0..8 {
+            let mut lights = map.lights(&LightRequest { seed, ..Default::default() });
+            spread += error(&lights);
+            for at in (1..lights.len()).rev() {
+                random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                lights.swap(at, (random >> 8) as usize % (at + 1));
+            }
+            shuffled += error(&lights);
+        }
+        let [spread, shuffled] = [spread, shuffled].map(|sum| (sum / 8.0).sqrt());
+        println!("{name}: error of a run {spread:.2}, shuffled {shuffled:.2}");
+        assert!(spread < 0.9 * shuffled, "{name}: {spread} and {shuffled}");
+    }
 }

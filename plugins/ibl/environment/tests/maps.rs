@@ -88,7 +88,10 @@ fn one_texel_with_all_energy_gives_lights_within_it() {
             let sum: Vec3 = lights.iter().map(|light| light.irradiance).sum();
             close(sum, Vec3::new(0.0, 0.0, 1e9 * solid_angle), 1e-3);
             for light in &lights {
-                assert_eq!(map.radiance(light.direction).z, 1e9, "{method}: {}", light.direction);
+                // Parallels are bent, so that the middle of a piece may lie a little above its edge.
+                let down = if method == Method::Centroids { 0.03 } else { 0.0 };
+                let inside = light.direction - down * Vec3::Y;
+                assert_eq!(map.radiance(inside).z, 1e9, "{method}: {}", light.direction);
             }
         }
     }

@@ -4,8 +4,11 @@ use super::{EnvironmentLight, density::Density};
 use crate::random::Random;
 
 /// N lights, each radiance / (N pdf).
-pub(super) fn lights(density: &Density, count: usize, seed: u64) -> Vec<EnvironmentLight> {
-    let mut random = Random::new(seed);
+pub(super) fn lights(
+    density: &Density,
+    count: usize,
+    random: &mut Random,
+) -> Vec<EnvironmentLight> {
     (0..count)
         .map(|_| {
             let point = density.sample([random.unit(), random.unit()]);

@@ -4,22 +4,27 @@ use std::{fmt, str::FromStr};
 
 use serde::{Deserialize, Serialize};
 
-/// How a map becomes lights. Every method draws by luminance times solid angle, and gives lights of
-/// about equal luminance.
+/// How a map becomes lights.
+///
+/// The first three draw by luminance times solid angle, and any n lights of theirs, times N / n, are right
+/// on average (with [`Regions`](Self::Regions), but for how colours vary within a region).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// Each light is drawn by itself from the piecewise constant distribution of the texels (M. Pharr,
-    /// W. Jakob and G. Humphreys, *Physically Based Rendering*, section 12.5; J. Schiller's thesis, section 7.6).
-    #[default]
+    /// Each light is drawn by itself from the piecewise constant distribution of the texels, and has
+    /// radiance / (N pdf) (M. Pharr, W. Jakob and G. Humphreys, *Physically Based Rendering*, 4th edition,
+    /// section 12.5).
     Independent,
-    /// Low-discrepancy points through the same distribution.
+    /// The same at low-discrepancy points.
     Stratified,
     /// The map is cut into regions of equal luminous energy; a light stands at a random point of
     /// each, drawn by the same distribution, and carries its region's energy in each channel.
     Regions,
-    /// The same regions, each with a light in the mean direction of its energy. Not random within a
-    /// region, so slightly biased where a horizon crosses one.
+    /// The map is cut into regions, smaller ones where little else lights a surface that faces
+    /// them; each light stands in the mean direction of its region's energy and carries all of
+    /// it. The most exact, though not right on average: off where a horizon crosses a region, by 0.1 to
+    /// 0.3 % of the irradiance for 200 lights of common maps.
+    #[default]
     Centroids,
 }
 

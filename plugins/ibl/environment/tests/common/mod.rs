@@ -2,7 +2,7 @@
 
 use std::{f32::consts::TAU, fmt, fs, path::Path};
 
-use farlight_environment::{Environment, EnvironmentLight, Layout, LightRequest, Method};
+use farlight_environment::{Environment, EnvironmentLight, Layout, LightExtractor, Method};
 use glam::Vec3;
 
 /// Normals of a measure.
@@ -87,9 +87,10 @@ impl fmt::Display for Error {
 /// Mean over seeds.
 pub(crate) fn mean_error(map: &Environment, count: u32, method: Method, seeds: u64) -> Error {
     let exact = exact(map);
+    let extractor = LightExtractor::new(map, method);
     let mut sum = Error { mean: 0.0, bias: 0.0 };
     for seed in 0..seeds {
-        let lights = map.lights(&LightRequest { count, method, seed });
+        let lights = extractor.lights(count, seed);
         let error = Error::of(&irradiances(&lights), &exact);
         sum.mean += error.mean / seeds as f64;
         sum.bias += error.bias / seeds as f64;
