@@ -6,6 +6,7 @@
 //! |---|---|---|
 //! | `btf` (default) | [`btf::BtfPlugin`] | measured materials, decoded in the shader |
 //! | `gi` (default) | [`gi::GiPlugin`] | global illumination: lightmaps and probes, solved in the background |
+//! | `ibl` (default) | [`ibl::IblPlugin`] | environment light that refines itself |
 //! | `remote` | `remote::RemotePlugin` | the same, solved on another machine |
 //!
 //! Ten lines bring indirect light into a game:
@@ -39,6 +40,9 @@ pub use farlight_core as core;
 /// Global illumination.
 #[cfg(feature = "gi")]
 pub use farlight_gi as gi;
+/// Environment light that refines itself.
+#[cfg(feature = "ibl")]
+pub use farlight_ibl as ibl;
 /// Global illumination solved on another machine.
 #[cfg(feature = "remote")]
 pub use farlight_remote as remote;
@@ -50,6 +54,7 @@ pub use farlight_remote as remote;
 /// | [`core::FarlightCorePlugin`] | shared types, texels into textures |
 /// | [`btf::BtfPlugin`] | measured materials |
 /// | [`gi::GiPlugin`] | indirect light |
+/// | [`ibl::IblPlugin`] | environment light |
 /// | `remote::RemotePlugin` | what a lighting server should know of windows and cameras |
 ///
 /// Replace one to configure it:
@@ -71,6 +76,8 @@ impl PluginGroup for FarlightPlugins {
         let group = group.add(farlight_btf::BtfPlugin);
         #[cfg(feature = "gi")]
         let group = group.add(farlight_gi::GiPlugin::default());
+        #[cfg(feature = "ibl")]
+        let group = group.add(farlight_ibl::IblPlugin);
         #[cfg(feature = "remote")]
         let group = group.add(farlight_remote::RemotePlugin);
         group
@@ -87,6 +94,11 @@ pub mod prelude {
     pub use farlight_gi::{
         GiControl, GiDynamic, GiLightmaps, GiPlugin, GiProbeVolume, GiScene, GiSettings, GiState,
         GiStatus, GiUpdated, GiView, LinkState, LinkStatus,
+    };
+    #[cfg(feature = "ibl")]
+    pub use farlight_ibl::{
+        EnvironmentMap, EnvironmentStatus, IblPlugin, ProgressiveCamera, ProgressiveLighting,
+        Refinement,
     };
     #[cfg(feature = "remote")]
     pub use farlight_remote::{RemoteBackend, RemoteSettings};

@@ -48,6 +48,8 @@ pub const MODULES: &[Module] = &modules![
     pure "btf/queries.wgsl",
     pure "btf/evaluate_points.wgsl",
     pure "btf/evaluate_lights.wgsl",
+    pure "ibl/accumulate.wgsl",
+    pure "ibl/present.wgsl",
     engine "lighting/surface.wgsl",
     engine "lighting/lights.wgsl",
     engine "lighting/shadow_maps.wgsl",

@@ -6,9 +6,9 @@ use farlight_shaders::{ComposeError, Definition, MODULES, compose};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Module, ShaderStage};
 
-/// Where the tables of materials are bound, and every set of rules.
+/// Where the tables of materials are bound, and every set of rules; frames of a still picture.
 fn definitions() -> Vec<Vec<Definition<'static>>> {
-    let rules = ["BTF_HALF_END_SLOPE", "BTF_GUARD_BETA_POLE", "BTF_LINEAR"];
+    let rules = ["BTF_HALF_END_SLOPE", "BTF_GUARD_BETA_POLE", "BTF_LINEAR", "STILL"];
     (0..1 << rules.len())
         .map(|set| {
             let chosen = (0..rules.len()).filter(|rule| set >> rule & 1 == 1);
@@ -68,7 +68,8 @@ fn pure_modules_are_translated_for_every_interface() {
             // A kernel has an entry point, a module to import has none.
             let kernel = !shader.source.contains("#define_import_path");
             assert_eq!(module.entry_points.len(), usize::from(kernel), "{name}");
-            assert!(module.entry_points.iter().all(|entry| entry.stage == ShaderStage::Compute));
+            let stages = [ShaderStage::Compute, ShaderStage::Fragment];
+            assert!(module.entry_points.iter().all(|entry| stages.contains(&entry.stage)));
         }
     }
 }

@@ -1,0 +1,87 @@
+//! What happens in the render world: histories, the pass that accumulates, and drawing nothing.
+
+mod history;
+mod pass;
+mod rest;
+
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, AtomicU32, Ordering},
+};
+
+use bevy::{
+    core_pipeline::{Core3d, Core3dSystems},
+    pbr::prepare_lights,
+    prelude::*,
+    render::{
+        Extract, ExtractSchedule, GpuResourceAppExt, Render, RenderApp, RenderSystems,
+        extract_component::ExtractComponentPlugin, render_resource::PipelineCache,
+        view::prepare_view_targets,
+    },
+};
+
+use crate::{camera::Progress, changes::Changes, uniform::Changed};
+
+/// What the render world tells the main world.
+#[derive(Resource, Clone, Debug, Default)]
+pub(crate) struct Pending {
+    /// Pipelines that are still being compiled: what they draw is missing from pictures.
+    pipelines: Arc<AtomicU32>,
+    /// Whether what was kept is gone, with its device.
+    lost: Arc<AtomicBool>,
+}
+
+impl Pending {
+    pub(crate) fn is_waiting(&self) -> bool {
+        self.pipelines.load(Ordering::Relaxed) > 0
+    }
+
+    pub(crate) fn take_lost(&self) -> bool {
+        self.lost.swap(false, Ordering::Relaxed)
+    }
+}
+
+fn watch_pipelines(pending: Res<Pending>, cache: Res<PipelineCache>) {
+    pending.pipelines.store(cache.waiting_pipelines().count() as u32, Ordering::Relaxed);
+}
+
+fn extract_changes(changes: Extract<Res<Changes>>, mut extracted: ResMut<pass::ExtractedChanges>) {
+    extracted.0.clear();
+    extracted.0.extend(changes.all.iter().map(Changed::from));
+}
+
+/// Adds all of it. Without a renderer nothing happens.
+pub(crate) fn build(app: &mut App) {
+    let pending = Pending::default();
+    app.insert_resource(pending.clone());
+    if app.get_sub_app(RenderApp).is_none() {
+        return;
+    }
+    app.add_plugins(ExtractComponentPlugin::<Progress>::default());
+    let Some(render_app) = app.get_sub_app_mut(RenderApp) else { return };
+    render_app
+        .insert_resource(pending)
+        .init_resource::<pass::ExtractedChanges>()
+        .init_gpu_resource::<pass::Pipelines>()
+        .init_gpu_resource::<history::Histories>()
+        .add_systems(ExtractSchedule, extract_changes)
+        .add_systems(
+            Render,
+            (
+                history::prepare
+                    .in_set(RenderSystems::PrepareResources)
+                    .after(prepare_view_targets),
+                pass::prepare.in_set(RenderSystems::PrepareBindGroups),
+                rest::skip_shadows.in_set(RenderSystems::PrepareBindGroups).after(prepare_lights),
+                watch_pipelines.in_set(RenderSystems::Cleanup),
+            ),
+        )
+        .configure_sets(
+            Core3d,
+            (Core3dSystems::Prepass, Core3dSystems::MainPass).run_if(rest::is_drawn),
+        )
+        .add_systems(
+            Core3d,
+            pass::refine.after(Core3dSystems::MainPass).before(Core3dSystems::EarlyPostProcess),
+        );
+}

@@ -1,0 +1,8 @@
+// A refined picture, as it is kept.
+
+@group(0) @binding(0) var kept: texture_2d<f32>;
+
+@fragment
+fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    return textureLoad(kept, vec2<i32>(position.xy), 0);
+}

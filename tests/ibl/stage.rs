@@ -1,0 +1,157 @@
+//! A renderer with a scene under an environment.
+
+use std::{
+    sync::{Arc, Mutex},
+    time::Duration,
+};
+
+use bevy::{
+    camera::{Exposure, RenderTarget},
+    core_pipeline::tonemapping::{DebandDither, Tonemapping},
+    prelude::*,
+    render::{
+        gpu_readback::{Readback, ReadbackComplete},
+        render_resource::{TextureFormat, TextureUsages},
+    },
+};
+use farlight::{ibl::environment_maps::Environment, prelude::*};
+use half::f16;
+
+use crate::support::{self, headless::Headless};
+
+/// Edge of a picture in pixels; rows of half floats are then 256 bytes and more, without padding.
+pub(crate) const SIZE: u32 = 64;
+
+/// Cameras see with exposure 1 and no tone mapping.
+pub(crate) struct Stage {
+    pub(crate) headless: Headless,
+    pub(crate) floats: Handle<Image>,
+}
+
+impl Stage {
+    pub(crate) fn new() -> Self {
+        let headless = Headless::new(UVec2::splat(SIZE), &support::assets(), |app| {
+            app.add_plugins(FarlightPlugins)
+                .insert_resource(GlobalAmbientLight::NONE)
+                .insert_resource(ClearColor(Color::BLACK))
+                .insert_resource(bevy::light::DirectionalLightShadowMap { size: 512 });
+        });
+        let mut headless = headless.unwrap_or_else(|problem| panic!("{problem}"));
+        headless.set_frame_time(Duration::from_millis(16));
+        let mut image = Image::new_target_texture(SIZE, SIZE, TextureFormat::Rgba16Float, None);
+        image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+        let floats = headless.app.world_mut().resource_mut::<Assets<Image>>().add(image);
+        Self { headless, floats }
+    }
+
+    pub(crate) fn world(&mut self) -> &mut World {
+        self.headless.app.world_mut()
+    }
+
+    pub(crate) fn spawn(&mut self, bundle: impl Bundle) -> Entity {
+        self.world().spawn(bundle).id()
+    }
+
+    /// A refining camera at `from` that looks at `to`.
+    pub(crate) fn camera(&mut self, from: Vec3, to: Vec3) -> Entity {
+        let target = RenderTarget::from(self.floats.clone());
+        self.spawn((
+            ProgressiveCamera::default(),
+            target,
+            Tonemapping::None,
+            DebandDither::Disabled,
+            // Exposure is 1 / (1.2 * 2^ev100).
+            Exposure { ev100: -(1.2_f32.log2()) },
+            Transform::from_translation(from).looking_at(to, Vec3::Y),
+        ))
+    }
+
+    pub(crate) fn mesh(&mut self, mesh: impl Into<Mesh>) -> Mesh3d {
+        Mesh3d(self.world().resource_mut::<Assets<Mesh>>().add(mesh))
+    }
+
+    /// A surface without mirrored light.
+    pub(crate) fn matte(&mut self, color: Color) -> MeshMaterial3d<StandardMaterial> {
+        self.material(StandardMaterial {
+            base_color: color,
+            perceptual_roughness: 1.0,
+            reflectance: 0.0,
+            ..default()
+        })
+    }
+
+    pub(crate) fn material(
+        &mut self,
+        material: StandardMaterial,
+    ) -> MeshMaterial3d<StandardMaterial> {
+        MeshMaterial3d(self.world().resource_mut::<Assets<StandardMaterial>>().add(material))
+    }
+
+    /// The settings of the light; the map is already there.
+    pub(crate) fn light(&mut self, map: Environment, settings: ProgressiveLighting) {
+        let map = EnvironmentMap(Arc::new(map));
+        let environment = self.world().resource_mut::<Assets<EnvironmentMap>>().add(map);
+        self.world()
+            .insert_resource(ProgressiveLighting { environment: Some(environment), ..settings });
+    }
+
+    /// A ball on a floor.
+    pub(crate) fn ball(&mut self) {
+        let floor = (self.mesh(Plane3d::default().mesh().size(8.0, 8.0)), self.matte(Color::WHITE));
+        self.spawn(floor);
+        let ball = Sphere::new(0.5).mesh().uv(64, 32);
+        let ball = (self.mesh(ball), self.matte(Color::srgb(0.8, 0.3, 0.2)));
+        self.spawn((ball, Transform::from_xyz(0.0, 0.5, 0.0)));
+    }
+
+    pub(crate) fn update(&mut self) {
+        self.headless.update().unwrap_or_else(|problem| panic!("{problem}"));
+    }
+
+    /// Frames until the camera's picture is refined.
+    pub(crate) fn refine(&mut self, camera: Entity) {
+        let refined =
+            |world: &mut World| world.get::<Refinement>(camera).is_some_and(Refinement::is_refined);
+        self.headless
+            .update_until("a refined picture", Duration::from_secs(120), refined)
+            .unwrap_or_else(|problem| panic!("{problem}"));
+    }
+
+    /// What the camera sees in the next frames, the last of them: linear light, rows from the top.
+    pub(crate) fn floats(&mut self) -> Vec<Vec3> {
+        let slot = Arc::new(Mutex::new(Vec::new()));
+        let filled = slot.clone();
+        let readback = Readback::texture(self.floats.clone());
+        let reader = self
+            .world()
+            .spawn(readback)
+            .observe(move |event: On<ReadbackComplete>| {
+                *filled.lock().unwrap() = event.data.clone();
+            })
+            .id();
+        // The first answers are of frames before.
+        for _ in 0..8 {
+            self.update();
+        }
+        self.world().entity_mut(reader).despawn();
+        let bytes = slot.lock().unwrap().clone();
+        assert_eq!(bytes.len(), (SIZE * SIZE * 8) as usize, "no answer of the GPU");
+        let half = |bytes: &[u8]| f16::from_le_bytes([bytes[0], bytes[1]]).to_f32();
+        bytes
+            .chunks_exact(8)
+            .map(|pixel| Vec3::new(half(pixel), half(&pixel[2..]), half(&pixel[4..])))
+            .collect()
+    }
+}
+
+/// Saves linear light for a person to look at.
+pub(crate) fn save(pixels: &[Vec3], name: &str) {
+    let path = support::scratch(&format!("ibl/{name}.png"));
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    let picture = image::RgbImage::from_fn(SIZE, SIZE, |x, y| {
+        let pixel = pixels[(y * SIZE + x) as usize];
+        let color = Color::linear_rgb(pixel.x, pixel.y, pixel.z).to_srgba();
+        image::Rgb(color.to_f32_array_no_alpha().map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8))
+    });
+    picture.save(path).unwrap();
+}
