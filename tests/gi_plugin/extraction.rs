@@ -12,7 +12,7 @@ use farlight::{
         BackendState, ExtractedScene, LinkStatus,
         solver::{
             SceneChange,
-            scene::{AlphaMode as SolverAlpha, InstanceId, LightId, LightKind, Sky},
+            scene::{AlphaMode as SolverAlpha, InstanceId, LightId, LightKind},
             session::{GridId, SessionChange},
         },
     },
@@ -221,28 +221,6 @@ fn lights_arrive_in_photometric_units() {
 }
 
 #[test]
-fn derived_and_hidden_lights_do_not_count() {
-    let mut flat = Flat::new();
-    let lamp =
-        |flat: &mut Flat| flat.world().spawn((PointLight::default(), Transform::default())).id();
-    let (derived, hidden, stays) = (lamp(&mut flat), lamp(&mut flat), lamp(&mut flat));
-    let made = flat.world().spawn((PointLight::default(), DerivedLight)).id();
-    flat.app.update();
-    let count = |flat: &mut Flat| flat.world().resource::<ExtractedScene>().scene.lights.len();
-    assert_eq!(count(&mut flat), 3);
-    flat.world().entity_mut(derived).insert(DerivedLight);
-    flat.world().entity_mut(hidden).insert(Visibility::Hidden);
-    flat.app.update();
-    assert_eq!(count(&mut flat), 1);
-    flat.world().entity_mut(hidden).insert(Visibility::Visible);
-    flat.app.update();
-    assert_eq!(count(&mut flat), 2);
-    let lights = &flat.world().resource::<ExtractedScene>().scene.lights;
-    assert!(lights.contains_key(&LightId(stays.to_bits())));
-    assert!(!lights.contains_key(&LightId(made.to_bits())));
-}
-
-#[test]
 fn images_may_arrive_after_their_materials() {
     let mut flat = Flat::new();
     let image = flat.world().resource::<Assets<Image>>().reserve_handle();
@@ -281,20 +259,6 @@ fn images_may_arrive_after_their_materials() {
     materials.get_mut(&material).unwrap().base_color_texture = None;
     flat.settle();
     assert!(material_of(&mut flat).1.is_empty());
-}
-
-#[test]
-fn the_sky_is_counted_once_and_follows_its_source() {
-    let mut flat = Flat::new();
-    *flat.world().resource_mut::<SkySource>() = SkySource::constant(Vec3::splat(3.0));
-    flat.app.update();
-    let changes = flat.mock.take_changes();
-    assert!(
-        matches!(&changes[..], [SessionChange::Scene(SceneChange::SetSky(Sky::Constant(c)))] if c.x == 3.0),
-        "{changes:?}"
-    );
-    flat.app.update();
-    assert!(flat.mock.take_changes().is_empty());
 }
 
 #[test]

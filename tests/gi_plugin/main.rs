@@ -1,16 +1,20 @@
 //! The Bevy side of global illumination: what is read from a scene, and what is shown of updates.
 //!
-//! `extraction` and `tags` need no GPU. The others render small pictures and need a Vulkan device; Mesa's
+//! `extraction`, `sky` and `tags` need no GPU. The others render small pictures and need a Vulkan device; Mesa's
 //! lavapipe will do.
 
 mod cost;
+mod derived;
 mod device;
 mod extraction;
+#[path = "../support/game.rs"]
+mod game;
 mod gltf;
 mod measured;
 mod mock;
 mod pictures;
 mod rooms;
+mod sky;
 #[path = "../support/mod.rs"]
 mod support;
 mod tags;

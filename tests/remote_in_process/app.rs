@@ -10,11 +10,16 @@ use std::{
 };
 
 use bevy::{
+    asset::RenderAssetUsages,
     pbr::Lightmap,
     prelude::*,
+    render::render_resource::{Extent3d, TextureDimension, TextureFormat},
     window::{PrimaryWindow, WindowResolution},
 };
-use farlight::{gi::GiLightmaps, prelude::*};
+use farlight::{
+    gi::{ExtractedScene, GiLightmaps},
+    prelude::*,
+};
 use farlight_server::{Server, ServerSettings};
 use farlight_wire::{
     Channel, Limits,
@@ -84,6 +89,18 @@ fn lightmaps(game: &Game) -> usize {
 
 fn link(game: &Game) -> &LinkStatus {
     game.status().link.as_ref().expect("a backend on another machine")
+}
+
+/// A game whose light comes over a network, and the server.
+fn connected(network: &Network) -> (Clock, Server, Game) {
+    let clock = Clock::new(network);
+    let server = clock.serve();
+    let connector = network.connector();
+    let game = Game::new(GiPlugin::with_backend(move |gi| {
+        let (connector, remote) = (Box::new(connector.clone()), RemoteSettings::default());
+        Box::new(RemoteBackend::new(connector, TOKEN, &remote, gi.session()))
+    }));
+    (clock, server, game)
 }
 
 #[test]
@@ -172,13 +189,7 @@ fn what_is_wrong_with_an_invitation_is_a_state() {
 #[test]
 fn a_new_window_size_brings_all_light_again() {
     let network = Network::new(1);
-    let clock = Clock::new(&network);
-    let server = clock.serve();
-    let connector = network.connector();
-    let mut game = Game::new(GiPlugin::with_backend(move |gi| {
-        let (connector, remote) = (Box::new(connector.clone()), RemoteSettings::default());
-        Box::new(RemoteBackend::new(connector, TOKEN, &remote, gi.session()))
-    }));
+    let (_clock, server, mut game) = connected(&network);
     let resolution = WindowResolution::new(320, 180);
     let window =
         game.app.world_mut().spawn((Window { resolution, ..default() }, PrimaryWindow)).id();
@@ -196,5 +207,89 @@ fn a_new_window_size_brings_all_light_again() {
     game.until("light", |game| game.status().updates > before);
     game.settle();
     assert_eq!(network.counters().to_server(Channel::Bulk), blobs, "only light is sent");
+    drop((game, server));
+}
+
+#[test]
+fn derived_lights_that_never_rest_send_nothing() {
+    let network = Network::new(1);
+    let (_clock, server, mut game) = connected(&network);
+    let visible = (Visibility::Visible, InheritedVisibility::VISIBLE);
+    let lights = [(); 5].map(|()| {
+        game.app.world_mut().spawn((DirectionalLight::default(), DerivedLight, visible)).id()
+    });
+    let mut frames = 0.0_f32;
+    let mut dance = |game: &mut Game, time: Duration| {
+        let end = Instant::now() + time;
+        while Instant::now() < end {
+            frames += 1.0;
+            for light in lights {
+                let world = game.app.world_mut();
+                world.get_mut::<DirectionalLight>(light).unwrap().illuminance = frames;
+                world.get_mut::<Transform>(light).unwrap().rotate_y(0.1);
+            }
+            game.app.update();
+            std::thread::sleep(MS);
+        }
+    };
+    game.settle();
+    dance(&mut game, 500 * MS);
+    let told = |game: &Game| (game.status().submitted, game.status().updates);
+    let counts = || {
+        let counters = network.counters();
+        let both = |channel| (counters.to_server(channel), counters.to_client(channel));
+        (both(Channel::Bulk), both(Channel::Latest))
+    };
+    let pings = || network.counters().to_server(Channel::Control).messages;
+    let (before, sent, control) = (told(&game), counts(), pings());
+    let start = Instant::now();
+    dance(&mut game, Duration::from_secs(1));
+    assert_eq!((told(&game), counts()), (before, sent));
+    // One in two seconds, and what belongs to the beginning and the end.
+    let most = 3 + start.elapsed().as_secs() / 2;
+    assert!(pings() - control <= most, "{} messages", pings() - control);
+    drop((game, server));
+}
+
+#[test]
+fn a_sky_that_turns_sends_no_image_again() {
+    let network = Network::new(1);
+    let (_clock, server, mut game) = connected(&network);
+    let (width, height) = (64, 32);
+    let texel = |i: u32| [(i % 7) as f32, (i % 13) as f32, (i % 29) as f32, 1.0];
+    let image = Image::new(
+        Extent3d { width, height, depth_or_array_layers: 1 },
+        TextureDimension::D2,
+        (0..width * height).flat_map(texel).flat_map(f32::to_ne_bytes).collect(),
+        TextureFormat::Rgba32Float,
+        RenderAssetUsages::MAIN_WORLD,
+    );
+    let image = game.app.world_mut().resource_mut::<Assets<Image>>().add(image);
+    let turn = |game: &mut Game, turn: f32, direct| {
+        let (image, rotation) = (image.clone(), Quat::from_rotation_y(turn));
+        let sky = SkyRadiance::Equirect { image, rotation, brightness: 1.0 + turn };
+        let mut source = game.app.world_mut().resource_mut::<SkySource>();
+        SkySource::claim(&mut source, "a test", sky, direct).unwrap();
+    };
+    // The floor alone, so that the sky is seen.
+    for wall in game.walls.split_off(1) {
+        game.app.world_mut().despawn(wall);
+    }
+    turn(&mut game, 0.0, DirectSky::Solved);
+    game.until("the sky", |game| {
+        !game.app.world().resource::<ExtractedScene>().scene.sky.is_black()
+    });
+    game.settle();
+    let whole = brightness(&game);
+    let bulk = || network.counters().to_server(Channel::Bulk);
+    let (sent, snapshot) = (bulk(), game.status().submitted);
+    turn(&mut game, 0.5, DirectSky::Solved);
+    game.settle();
+    assert!(game.status().submitted > snapshot && brightness(&game) > 1.1 * whole);
+    turn(&mut game, 0.5, DirectSky::ByLights);
+    game.settle();
+    // One plane: nothing comes back from anywhere, but from the lamp nothing ever did.
+    assert_eq!(brightness(&game), 0.0);
+    assert_eq!(bulk(), sent);
     drop((game, server));
 }

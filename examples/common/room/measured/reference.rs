@@ -14,10 +14,9 @@ use farlight_gi_solver::{
     Ray, Scene, World,
     estimate::{GatherSettings, no_progress},
     probe::gather_probes,
-    receiver::{Receiver, gather_receivers},
-    scene::Mesh,
+    receiver::{Receiver, ReceiverLight, gather_receivers},
+    scene::{DirectSky, Mesh},
     session::{GridId, GridUpdate, Placement, ProbeGrid},
-    sh::ShRgb,
 };
 
 /// A texel whose centre lies on a surface.
@@ -103,7 +102,7 @@ fn centres_of(
 
 /// Converged texels.
 pub struct Converged {
-    /// (Indirect irradiance and that of the sky) / π.
+    /// Irradiance / π: indirect, and that of the sky unless the scene leaves it out.
     pub texels: Vec<Vec3>,
     /// Standard error of each texel over its value, channels summed.
     pub relative_se: Vec<f32>,
@@ -124,22 +123,21 @@ pub fn converge(scene: &Scene, centres: &[TexelCentre], settings: &GatherSetting
         ControlFlow::Continue(())
     };
     let light = gather_receivers(&world, &receivers, settings, &progress).unwrap_or_default();
-    let texels = light
-        .iter()
-        .zip(&receivers)
-        .map(|(light, receiver)| {
-            let sky = light.direct.mean - receiver.direct(&world);
-            (light.indirect.mean + sky) * std::f32::consts::FRAC_1_PI
-        })
+    // What arrives straight from the sky, and its standard error.
+    let sky = |light: &ReceiverLight, receiver: &Receiver| match scene.direct_sky {
+        DirectSky::Included => (light.direct.mean - receiver.direct(&world), light.direct.se),
+        DirectSky::LeftOut => (Vec3::ZERO, Vec3::ZERO),
+    };
+    let both = || light.iter().zip(&receivers);
+    let texels = both()
+        .map(|(l, r)| (l.indirect.mean + sky(l, r).0) * std::f32::consts::FRAC_1_PI)
         .collect();
     // Errors of the channels stem from the same paths, so they add up; so do those of the sky.
-    let relative_se = light
-        .iter()
-        .zip(&receivers)
-        .map(|(light, receiver)| {
-            let sky = light.direct.mean - receiver.direct(&world);
-            let whole = (light.indirect.mean + sky).element_sum();
-            (light.indirect.se + light.direct.se).element_sum() / whole.max(f32::MIN_POSITIVE)
+    let relative_se = both()
+        .map(|(l, r)| {
+            let (sky, sky_se) = sky(l, r);
+            let whole = (l.indirect.mean + sky).element_sum();
+            (l.indirect.se + sky_se).element_sum() / whole.max(f32::MIN_POSITIVE)
         })
         .collect();
     Converged { texels, relative_se }
@@ -166,7 +164,10 @@ pub fn converge_grids(
             let probes = light
                 .unwrap_or_default()
                 .iter()
-                .map(|p| ShRgb(std::array::from_fn(|i| p.indirect.0[i] + p.sky.0[i])))
+                .map(|p| match scene.direct_sky {
+                    DirectSky::Included => p.indirect + p.sky,
+                    DirectSky::LeftOut => p.indirect,
+                })
                 .collect();
             GridUpdate { grid: id, resolution: n, probes }
         })

@@ -23,7 +23,7 @@ pub(crate) fn extract_lights(
     points: Query<Placed<PointLight>, Without<DerivedLight>>,
     spots: Query<Placed<SpotLight>, Without<DerivedLight>>,
     suns: Query<Placed<DirectionalLight>, Without<DerivedLight>>,
-    areas: Query<Entity, Added<RectLight>>,
+    areas: Query<Entity, (Added<RectLight>, Without<DerivedLight>)>,
     meter: Res<GiMeter>,
 ) {
     let _measure = meter.measure(Stage::Extract as usize);

@@ -4,14 +4,14 @@ use bevy::{
     prelude::*,
     tasks::{AsyncComputeTaskPool, Task, block_on, poll_once},
 };
-use farlight_core::{SkyRadiance, SkySource};
+use farlight_core::{DirectSky, SkyRadiance, SkySource};
 use farlight_gi_solver::{
     SceneChange,
-    scene::{Sky, SkyImage},
+    scene::{self, Sky, SkyImage},
 };
 use std::sync::Arc;
 
-use super::{Extractor, pixels};
+use super::{ExtractedScene, Extractor, pixels};
 use crate::status::{GiMeter, Stage};
 
 /// An image of the sky on its way to the solver.
@@ -23,9 +23,11 @@ pub(crate) struct SkyState {
     stale: bool,
 }
 
-/// Notes changes of [`SkySource`].
+/// Notes how [`SkySource`] differs from what was submitted. An image goes once: a sky that turns or
+/// changes its brightness names the same one.
 pub(crate) fn extract_sky(
     mut extractor: ResMut<Extractor>,
+    extracted: Res<ExtractedScene>,
     mut state: ResMut<SkyState>,
     source: Res<SkySource>,
     mut events: MessageReader<AssetEvent<Image>>,
@@ -37,17 +39,26 @@ pub(crate) fn extract_sky(
         AssetEvent::Added { id } | AssetEvent::Modified { id } => Some(*id) == state.image,
         _ => false,
     });
+    // Without waiting for an image: the lights that show the direct part are there already.
+    let direct = match source.direct {
+        DirectSky::Solved => scene::DirectSky::Included,
+        DirectSky::ByLights => scene::DirectSky::LeftOut,
+    };
+    if extracted.scene.direct_sky != direct {
+        extractor.changes.lights.push(SceneChange::SetDirectSky(direct));
+    }
     let sky = match &source.radiance {
         SkyRadiance::Constant(radiance) => {
             if !source.is_changed() {
                 return;
             }
             *state = SkyState::default();
-            let valid = radiance.is_finite() && radiance.min_element() >= 0.0;
-            if !valid {
-                warn!("a sky of {radiance} cd/m2 is no light; it counts as black");
+            if is_light(radiance.min_element()) && radiance.is_finite() {
+                Sky::Constant(*radiance)
+            } else {
+                warn_once!("a sky of {radiance} cd/m2 is no light; it counts as black");
+                Sky::default()
             }
-            Sky::Constant(if valid { *radiance } else { Vec3::ZERO })
         }
         SkyRadiance::Equirect { image, rotation, brightness } => {
             if state.image != Some(image.id()) || changed {
@@ -74,14 +85,27 @@ pub(crate) fn extract_sky(
                 _ => false,
             };
             match &state.ready {
-                Some(picture) if arrived || source.is_changed() => Sky::Image {
-                    image: picture.clone(),
-                    rotation: *rotation,
-                    scale: brightness.max(0.0),
-                },
+                Some(picture) if arrived || source.is_changed() => {
+                    if is_light(*brightness) && rotation.is_finite() {
+                        let (image, rotation) = (picture.clone(), *rotation);
+                        Sky::Image { image, rotation, scale: *brightness }
+                    } else {
+                        warn_once!(
+                            "a sky of brightness {brightness}, turned by {rotation}, is no light; \
+                             it counts as black"
+                        );
+                        Sky::default()
+                    }
+                }
                 _ => return,
             }
         }
     };
-    extractor.changes.lights.push(SceneChange::SetSky(sky));
+    if extracted.scene.sky != sky {
+        extractor.changes.lights.push(SceneChange::SetSky(sky));
+    }
+}
+
+fn is_light(value: f32) -> bool {
+    value.is_finite() && value >= 0.0
 }

@@ -42,8 +42,9 @@ pub struct LightmapSolver {
 pub struct Lightmap {
     /// Edge of the pages in texels.
     pub page_size: u32,
-    /// The pages, each `page_size * page_size` values E / π (indirect, and the sky's direct part),
-    /// rows from the top, dilated; zero where no receiver is near.
+    /// The pages, each `page_size * page_size` values E / π (indirect, and the sky's direct part unless
+    /// the scene leaves it out: [`DirectSky`](crate::scene::DirectSky)), rows from the top, dilated;
+    /// zero where no receiver is near.
     pub pages: Vec<Vec<Vec3>>,
     /// Where the receivers are.
     pub placements: Vec<Placement>,

@@ -1,7 +1,8 @@
 //! The lightmap solver: an answer in milliseconds, better ones until it converges.
 //!
 //! What is solved for is irradiance at the texels of the receivers' second UV squares, and radiance
-//! at probes, without what punctual lights send there directly. The work is split so that light
+//! at probes, without what punctual lights send there directly, and without what the sky does if the
+//! scene leaves that out ([`DirectSky`](crate::scene::DirectSky)). The work is split so that light
 //! that changes costs little:
 //!
 //! 1. *Texels* (`raster`): each receiver's second UV square is rasterized at its resolution; texels

@@ -13,8 +13,17 @@ const WIDTH: u32 = 64;
 /// The sky averaged over areas of about six degrees, so that a sun which few rays would find
 /// reaches them all. What surfaces and probes gather from it stays the same in sum; shadows of the
 /// sun are blurred by as much.
-pub(crate) fn soft(sky: &Sky) -> Sky {
+///
+/// `before` is another sky and `soft_before` what this made of it: if both show the same image, as
+/// when the sky only turns, it is not averaged again.
+pub(crate) fn soft(sky: &Sky, before: &Sky, soft_before: &Sky) -> Sky {
     let Sky::Image { image, rotation, scale } = sky else { return sky.clone() };
+    if let (Sky::Image { image: before, .. }, Sky::Image { image: soft, .. }) =
+        (before, soft_before)
+        && Arc::ptr_eq(image, before)
+    {
+        return Sky::Image { image: soft.clone(), rotation: *rotation, scale: *scale };
+    }
     if image.width <= WIDTH || image.height <= WIDTH / 2 {
         return sky.clone();
     }
@@ -43,6 +52,26 @@ pub(crate) fn soft(sky: &Sky) -> Sky {
 mod tests {
     use glam::Quat;
 
+    #[test]
+    fn an_image_that_only_turns_is_averaged_once() {
+        let image =
+            Arc::new(SkyImage { width: 128, height: 64, texels: vec![Vec3::ONE; 128 * 64] });
+        let turned = |turn| Sky::Image {
+            image: image.clone(),
+            rotation: Quat::from_rotation_y(turn),
+            scale: turn,
+        };
+        let first = soft(&turned(1.0), &Sky::default(), &Sky::default());
+        let second = soft(&turned(2.0), &turned(1.0), &first);
+        let (Sky::Image { image: a, .. }, Sky::Image { image: b, rotation, scale }) =
+            (&first, &second)
+        else {
+            panic!("an image stays one")
+        };
+        assert!(Arc::ptr_eq(a, b) && a.width == WIDTH);
+        assert_eq!((*rotation, *scale), (Quat::from_rotation_y(2.0), 2.0));
+    }
+
     use super::*;
     use crate::lightmap::sequence::{sobol, sphere_direction};
 
@@ -66,7 +95,7 @@ mod tests {
                 sharp += image.texels[(y * width + x) as usize] * solid * d.dot(axis).powi(2) * 2.0;
             }
         }
-        let soft = soft(&sky);
+        let soft = soft(&sky, &Sky::default(), &Sky::default());
         let n = 1 << 16;
         let sum: Vec3 = (0..n)
             .map(|i| {

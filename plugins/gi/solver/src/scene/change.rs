@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::{
-    Instance, InstanceId, Light, LightId, Material, MaterialId, Mesh, MeshId, Scene, Sky, Texture,
-    TextureId,
+    DirectSky, Instance, InstanceId, Light, LightId, Material, MaterialId, Mesh, MeshId, Scene,
+    Sky, Texture, TextureId,
 };
 
 /// One change of a [`Scene`]. Setting an id that exists replaces what it named.
@@ -32,6 +32,8 @@ pub enum SceneChange {
     RemoveLight(LightId),
     /// Replaces the sky.
     SetSky(Sky),
+    /// Says whether texels and probes hold what arrives straight from the sky.
+    SetDirectSky(DirectSky),
 }
 
 impl SceneChange {
@@ -39,7 +41,10 @@ impl SceneChange {
     /// everything that was traced remains valid.
     #[must_use]
     pub fn is_light_only(&self) -> bool {
-        matches!(self, Self::SetLight(..) | Self::RemoveLight(..) | Self::SetSky(..))
+        matches!(
+            self,
+            Self::SetLight(..) | Self::RemoveLight(..) | Self::SetSky(..) | Self::SetDirectSky(..)
+        )
     }
 }
 
@@ -54,6 +59,7 @@ impl Scene {
             self.instances.iter().map(|(id, i)| SceneChange::SetInstance(*id, i.clone()));
         let lights = self.lights.iter().map(|(id, l)| SceneChange::SetLight(*id, *l));
         let sky = std::iter::once_with(|| SceneChange::SetSky(self.sky.clone()));
+        let sky = sky.chain([SceneChange::SetDirectSky(self.direct_sky)]);
         textures.chain(materials).chain(meshes).chain(instances).chain(lights).chain(sky)
     }
 
@@ -71,6 +77,7 @@ impl Scene {
             SceneChange::SetLight(id, light) => drop(self.lights.insert(id, light)),
             SceneChange::RemoveLight(id) => drop(self.lights.remove(&id)),
             SceneChange::SetSky(sky) => self.sky = sky,
+            SceneChange::SetDirectSky(direct) => self.direct_sky = direct,
         }
     }
 }

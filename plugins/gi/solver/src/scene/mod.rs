@@ -14,7 +14,7 @@ pub use change::SceneChange;
 pub use light::{Light, LightKind, LightSample};
 pub use material::{AlphaMode, Material, Texture};
 pub use mesh::{Mesh, MeshProblem};
-pub use sky::{Sky, SkyImage};
+pub use sky::{DirectSky, Sky, SkyImage};
 
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -65,4 +65,6 @@ pub struct Scene {
     pub lights: BTreeMap<LightId, Light>,
     /// What a ray sees that leaves the scene.
     pub sky: Sky,
+    /// Whether texels and probes hold what arrives straight from the sky.
+    pub direct_sky: DirectSky,
 }

@@ -5,7 +5,7 @@ use std::{f32::consts::PI, sync::Arc};
 use glam::{Quat, Vec3};
 
 /// The environment around the scene.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum Sky {
     /// The same radiance from everywhere; black is no sky.
     Constant(Vec3),
@@ -26,6 +26,17 @@ impl Default for Sky {
     }
 }
 
+/// Whether what arrives straight from the sky belongs to what is solved for. What surfaces reflect of
+/// it always does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum DirectSky {
+    /// Texels and probes hold it.
+    #[default]
+    Included,
+    /// They do not: somebody else shows it, for example by directional lights made from the sky.
+    LeftOut,
+}
+
 /// An equirectangular image of radiance: `u = 0.5 + atan2(x, -z) / 2π`, `v = acos(y) / π`; the
 /// centre is -z, right is +x, row 0 is up.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -36,6 +47,21 @@ pub struct SkyImage {
     pub height: u32,
     /// `width * height` linear RGB values, finite and not negative.
     pub texels: Vec<Vec3>,
+}
+
+impl PartialEq for Sky {
+    /// Images that are the same memory are equal without a look at their texels, so that asking
+    /// whether a sky that only turns is another one costs nothing.
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Constant(a), Self::Constant(b)) => a == b,
+            (
+                Self::Image { image: a, rotation: turned_a, scale: scale_a },
+                Self::Image { image: b, rotation: turned_b, scale: scale_b },
+            ) => turned_a == turned_b && scale_a == scale_b && (Arc::ptr_eq(a, b) || a == b),
+            _ => false,
+        }
+    }
 }
 
 impl Sky {

@@ -121,7 +121,8 @@ pub struct Tile {
     pub page: PageId,
     /// Where in the page.
     pub rect: TexelRect,
-    /// `rect.width * rect.height` values E / π (indirect, and the sky's direct part), rows from the top.
+    /// `rect.width * rect.height` values E / π (indirect, and the sky's direct part unless the scene
+    /// leaves it out: [`DirectSky`](crate::scene::DirectSky)), rows from the top.
     pub texels: Vec<Vec3>,
 }
 
@@ -132,8 +133,8 @@ pub struct GridUpdate {
     pub grid: GridId,
     /// Its resolution.
     pub resolution: UVec3,
-    /// Incident radiance in SH (indirect, and the sky's direct part). Probes inside walls hold
-    /// what their valid neighbours hold.
+    /// Incident radiance in SH (indirect, and the sky's direct part unless the scene leaves it out).
+    /// Probes inside walls hold what their valid neighbours hold.
     pub probes: Vec<ShRgb>,
 }
 

@@ -129,6 +129,7 @@ impl Session {
             }
             SceneChange::RemoveLight(id) => self.dirty.light |= scene.lights.contains_key(id),
             SceneChange::SetSky(sky) => self.dirty.light |= scene.sky != *sky,
+            SceneChange::SetDirectSky(direct) => self.dirty.light |= scene.direct_sky != *direct,
             SceneChange::SetMaterial(id, material) => {
                 self.dirty.materials |= scene.materials.get(id) != Some(material);
             }

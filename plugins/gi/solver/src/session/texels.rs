@@ -10,7 +10,7 @@ use crate::{
     atlas::PageId,
     estimate::{Estimate, GatherSettings, Progress},
     receiver::{Receiver, gather_receivers},
-    scene::InstanceId,
+    scene::{DirectSky, InstanceId},
 };
 
 /// A texel of a receiver, and the point that it is solved at.
@@ -34,8 +34,9 @@ pub struct TexelPoint {
     pub error: f32,
 }
 
-/// The path tracer's answer at texels, to compare a session's with: E / π of everything but the
-/// punctual lights' direct part, which is what tiles hold. `None` if `progress` stopped the work.
+/// The path tracer's answer at texels, to compare a session's with: E / π of everything that tiles
+/// hold, so without what arrives straight from punctual lights, and from the sky if the scene leaves
+/// that out. `None` if `progress` stopped the work.
 /// Runs on all threads of the current rayon pool.
 #[must_use]
 pub fn reference(
@@ -49,9 +50,12 @@ pub fn reference(
         texels.iter().map(|t| Receiver { position: t.position, normal: t.normal }).collect();
     let light = gather_receivers(&world, &receivers, settings, progress)?;
     let estimates = light.iter().zip(&receivers).map(|(light, receiver)| {
-        let sky = light.direct.mean - receiver.direct(&world);
-        let squares = light.direct.se * light.direct.se + light.indirect.se * light.indirect.se;
-        Estimate { mean: (light.indirect.mean + sky) / PI, se: squares.map(f32::sqrt) / PI }
+        let Estimate { mut mean, mut se } = light.indirect;
+        if scene.direct_sky == DirectSky::Included {
+            mean += light.direct.mean - receiver.direct(&world);
+            se = (se * se + light.direct.se * light.direct.se).map(f32::sqrt);
+        }
+        Estimate { mean: mean / PI, se: se / PI }
     });
     Some(estimates.collect())
 }

@@ -117,6 +117,9 @@ impl Mirror {
                 };
                 (ObjectKey::Sky, sky.map(Object::Sky))
             }
+            SceneChange::SetDirectSky(direct) => {
+                (ObjectKey::DirectSky, Some(Object::DirectSky(direct)))
+            }
         }
     }
 

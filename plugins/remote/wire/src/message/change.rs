@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use farlight_gi_solver::{
-    scene::{Instance, InstanceId, Light, LightId, Material, MaterialId, MeshId, TextureId},
+    scene::{
+        DirectSky, Instance, InstanceId, Light, LightId, Material, MaterialId, MeshId, TextureId,
+    },
     session::{GridId, ProbeGrid},
 };
 use glam::{Quat, Vec3};
@@ -28,6 +30,8 @@ pub(crate) enum ObjectKey {
     Light(LightId),
     /// The sky.
     Sky,
+    /// Whether what arrives straight from the sky is solved for; it is where nothing is said.
+    DirectSky,
     /// A probe grid.
     Grid(GridId),
 }
@@ -49,6 +53,8 @@ pub(crate) enum Object {
     Light(Light),
     /// The sky.
     Sky(SkyObject),
+    /// Whether what arrives straight from it is solved for.
+    DirectSky(DirectSky),
     /// Place and resolution.
     Grid(ProbeGrid),
 }

@@ -5,8 +5,8 @@ mod mutate;
 
 use farlight_gi_solver::{
     scene::{
-        AlphaMode, Instance, InstanceId, Light, LightId, LightKind, Material, MaterialId, MeshId,
-        TextureId,
+        AlphaMode, DirectSky, Instance, InstanceId, Light, LightId, LightKind, Material,
+        MaterialId, MeshId, TextureId,
     },
     session::{GridId, ProbeGrid, SessionSettings, SnapshotId},
 };
@@ -44,6 +44,8 @@ fn snapshot() -> SnapshotPart {
         (ObjectKey::Light(LightId(4)), Some(Object::Light(light))),
         (ObjectKey::Sky, Some(Object::Sky(image))),
         (ObjectKey::Sky, Some(Object::Sky(SkyObject::Constant(Vec3::ONE)))),
+        (ObjectKey::DirectSky, Some(Object::DirectSky(DirectSky::LeftOut))),
+        (ObjectKey::DirectSky, Some(Object::DirectSky(DirectSky::Included))),
         (ObjectKey::Grid(GridId(5)), Some(Object::Grid(grid))),
         (ObjectKey::Grid(GridId(6)), None),
     ];

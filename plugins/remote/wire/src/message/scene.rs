@@ -7,8 +7,8 @@
 
 use farlight_gi_solver::{
     scene::{
-        AlphaMode, Instance, InstanceId, Light, LightId, LightKind, Material, MaterialId, MeshId,
-        TextureId,
+        AlphaMode, DirectSky, Instance, InstanceId, Light, LightId, LightKind, Material,
+        MaterialId, MeshId, TextureId,
     },
     session::{GridId, ProbeGrid, SnapshotId},
 };
@@ -57,6 +57,7 @@ pub(crate) fn write_change(w: &mut Writer, key: &ObjectKey, object: Option<&Obje
         ObjectKey::Light(id) => (6, id.0),
         ObjectKey::Sky => (7, 0),
         ObjectKey::Grid(id) => (8, id.0),
+        ObjectKey::DirectSky => (9, 0),
     };
     w.u8(tag);
     w.varint(id);
@@ -95,6 +96,10 @@ fn write_state(w: &mut Writer, object: &Object) {
             w.floats(rotation.to_array());
             w.f32(*scale);
         }
+        Object::DirectSky(direct) => w.u8(match direct {
+            DirectSky::Included => 0,
+            DirectSky::LeftOut => 1,
+        }),
         Object::Grid(grid) => {
             w.floats(grid.transform.to_cols_array());
             grid.resolution.to_array().into_iter().for_each(|n| w.u32(n));
@@ -115,6 +120,7 @@ fn read_change(r: &mut Reader<'_>) -> Result<Option<(ObjectKey, Option<Object>)>
         6 => ObjectKey::Light(LightId(id)),
         7 => ObjectKey::Sky,
         8 => ObjectKey::Grid(GridId(id)),
+        9 => ObjectKey::DirectSky,
         _ => return Ok(None),
     };
     if state.is_empty() {
@@ -144,6 +150,11 @@ fn read_state(key: &ObjectKey, state: &[u8]) -> Result<Object, WireError> {
                 scale: r.floats::<1>()?[0],
             },
             other => return Err(r.invalid(format_args!("sky of kind {other}"))),
+        }),
+        ObjectKey::DirectSky => Object::DirectSky(match r.u8()? {
+            0 => DirectSky::Included,
+            1 => DirectSky::LeftOut,
+            other => return Err(r.invalid(format_args!("direct light of the sky of kind {other}"))),
         }),
         ObjectKey::Grid(_) => {
             let transform = Affine3A::from_cols_array(&r.floats()?);
@@ -303,6 +314,7 @@ mod tests {
                 Some(Object::Light(light(LightKind::Point, f32::INFINITY))),
             ),
             (ObjectKey::Sky, Some(Object::Sky(sky))),
+            (ObjectKey::DirectSky, Some(Object::DirectSky(DirectSky::LeftOut))),
             (ObjectKey::Grid(GridId(8)), Some(Object::Grid(grid))),
             (ObjectKey::Grid(GridId(9)), None),
         ];

@@ -11,7 +11,7 @@ use std::{
 
 use farlight_gi_solver::{
     SceneChange,
-    scene::{Instance, InstanceId, MeshId, Sky},
+    scene::{DirectSky, Instance, InstanceId, MeshId, Sky},
     session::{SessionChange, SnapshotId},
 };
 
@@ -237,6 +237,10 @@ impl Replica {
                 scene(SceneChange::SetSky(Sky::Constant(radiance)))
             }
             (ObjectKey::Sky, _) => scene(SceneChange::SetSky(Sky::default())),
+            (ObjectKey::DirectSky, Some(Object::DirectSky(direct))) => {
+                scene(SceneChange::SetDirectSky(direct))
+            }
+            (ObjectKey::DirectSky, _) => scene(SceneChange::SetDirectSky(DirectSky::default())),
             (ObjectKey::Grid(id), Some(Object::Grid(grid))) => {
                 Some(SessionChange::SetGrid(id, grid))
             }

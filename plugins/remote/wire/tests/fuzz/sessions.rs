@@ -6,8 +6,8 @@ use farlight_gi_solver::{
     SceneChange,
     atlas::{PageId, TexelRect},
     scene::{
-        Instance, InstanceId, Light, LightId, LightKind, Material, MaterialId, Mesh, MeshId, Sky,
-        TextureId,
+        DirectSky, Instance, InstanceId, Light, LightId, LightKind, Material, MaterialId, Mesh,
+        MeshId, Sky, TextureId,
     },
     session::{
         GridId, GridUpdate, LightingUpdate, Placement, ProbeGrid, Quality, Session, SessionChange,
@@ -95,6 +95,7 @@ fn scene() -> Vec<SessionChange> {
         SceneChange::SetLight(LightId(1), light(LightKind::Point)),
         SceneChange::SetLight(LightId(2), light(spot)),
         SceneChange::SetSky(sky),
+        SceneChange::SetDirectSky(DirectSky::LeftOut),
     ];
     let mut changes: Vec<SessionChange> = scene.into_iter().map(SessionChange::Scene).collect();
     changes.push(SessionChange::AddReceiver(InstanceId(1)));
@@ -149,6 +150,7 @@ fn conversation() -> (Messages, Messages) {
                     SessionChange::Scene(SceneChange::RemoveTexture(TextureId(1))),
                     SessionChange::RemoveGrid(GridId(1)),
                     SessionChange::Scene(SceneChange::SetSky(Sky::Constant(Vec3::ONE))),
+                    SessionChange::Scene(SceneChange::SetDirectSky(DirectSky::Included)),
                 ];
                 client.submit(now, SnapshotId(2), gone.into());
             }

@@ -8,8 +8,8 @@ use farlight_gi_solver::{
     Scene, SceneChange,
     sampling::Rng,
     scene::{
-        Instance, InstanceId, Light, LightId, LightKind, Material, MaterialId, Mesh, MeshId, Sky,
-        SkyImage, Texture, TextureId,
+        DirectSky, Instance, InstanceId, Light, LightId, LightKind, Material, MaterialId, Mesh,
+        MeshId, Sky, SkyImage, Texture, TextureId,
     },
     session::{LightingUpdate, Quality, SessionChange, SnapshotId},
 };
@@ -52,7 +52,7 @@ fn assert_same(solver: &Scene, game: &Scene) {
     assert_eq!(solver.materials, game.materials);
     assert_eq!(solver.meshes, game.meshes);
     assert_eq!(solver.textures, game.textures);
-    assert_eq!(solver.sky, game.sky);
+    assert_eq!((&solver.sky, solver.direct_sky), (&game.sky, game.direct_sky));
 }
 
 #[test]
@@ -74,6 +74,7 @@ fn a_scene_arrives_whole() {
             rotation: Quat::IDENTITY,
             scale: 2.0,
         })),
+        SessionChange::Scene(SceneChange::SetDirectSky(DirectSky::LeftOut)),
     ];
     let mut game = Scene::default();
     for change in &changes {
@@ -122,6 +123,34 @@ fn only_differences_are_sent() {
     assert!(pair.sent[Channel::Bulk.tag() as usize - 1] > 0);
 }
 
+/// A sky that turns or grows brighter, and who shows its direct part, are a few bytes; the image is
+/// there already.
+#[test]
+fn an_image_of_the_sky_is_sent_once() {
+    let mut pair = Pair::new();
+    let texels = (0..64 * 32).map(|i| Vec3::splat(i as f32)).collect();
+    let image = Arc::new(SkyImage { width: 64, height: 32, texels });
+    let sky = |turn: f32, scale: f32| {
+        let (image, rotation) = (image.clone(), Quat::from_rotation_y(turn));
+        SessionChange::Scene(SceneChange::SetSky(Sky::Image { image, rotation, scale }))
+    };
+    pair.client.submit(pair.now, SnapshotId(1), vec![sky(0.0, 1.0)]);
+    pair.connect(true);
+    pair.settle();
+    assert!(pair.sent[Channel::Bulk.tag() as usize - 1] > 100);
+    let direct = SessionChange::Scene(SceneChange::SetDirectSky(DirectSky::LeftOut));
+    for (snapshot, change) in (2..).zip([sky(0.5, 1.0), sky(0.5, 3.0), direct]) {
+        pair.sent = [0; 3];
+        pair.client.submit(pair.now, SnapshotId(snapshot), vec![change.clone()]);
+        pair.settle();
+        assert_eq!(pair.sent[Channel::Bulk.tag() as usize - 1], 0, "{change:?}");
+        assert!(pair.sent[0] < 120, "{change:?}: {:?}", pair.sent);
+        assert_eq!(pair.solver.direct_sky == DirectSky::LeftOut, snapshot == 4);
+    }
+    let Sky::Image { rotation, scale, .. } = &pair.solver.sky else { panic!("it is an image") };
+    assert_eq!((*rotation, *scale), (Quat::from_rotation_y(0.5), 3.0));
+}
+
 /// An instance waits for its triangles; light doesn't.
 #[test]
 fn what_needs_a_blob_waits_and_the_rest_goes_on() {
@@ -166,13 +195,17 @@ fn scenes_are_equal_in_the_end() {
                     let mut changes = Vec::new();
                     for _ in 0..1 + pick(4) {
                         let id = u64::from(pick(4));
-                        let change = match pick(8) {
+                        let change = match pick(9) {
                             0 => set_mesh(id, pick(6)),
                             1 => SessionChange::Scene(SceneChange::RemoveMesh(MeshId(id))),
                             2..4 => set_instance(id, u64::from(pick(4)), pick(100) as f32),
                             4 => SessionChange::Scene(SceneChange::RemoveInstance(InstanceId(id))),
                             5 => set_light(id, pick(100) as f32),
                             6 => SessionChange::Scene(SceneChange::RemoveLight(LightId(id))),
+                            7 => SessionChange::Scene(SceneChange::SetDirectSky(match pick(2) {
+                                0 => DirectSky::Included,
+                                _ => DirectSky::LeftOut,
+                            })),
                             _ => SessionChange::Scene(SceneChange::SetMaterial(
                                 MaterialId(id),
                                 Material {

@@ -27,7 +27,10 @@ use super::{
     sky::soft,
     transport::{Block, Buried},
 };
-use crate::{Scene, World, scene::Sky};
+use crate::{
+    Scene, World,
+    scene::{DirectSky, Sky},
+};
 
 /// Blocks that every patch has, not only texels that are shown (64 rays); bounces use these.
 const LOW_BLOCKS: usize = 3;
@@ -50,8 +53,8 @@ pub(crate) struct Lighting {
     pub patches: Patches,
     pub grids: Vec<GridState>,
     pub direct: Direct,
-    /// For each texel that is shown: irradiance from other surfaces and the sky, the best that is
-    /// known, filtered where it is noisy. Buried texels hold nothing of worth.
+    /// For each texel that is shown: irradiance from other surfaces and, unless it is left out, the
+    /// sky; the best that is known, filtered where it is noisy. Buried texels hold nothing of worth.
     pub irradiance: Vec<Vec3>,
     /// Its standard error in luminance, as far as rays that disagree tell.
     pub error: Vec<f32>,
@@ -73,7 +76,8 @@ pub(crate) struct Lighting {
     valid: Vec<bool>,
     /// Receivers with buried texels.
     holes: Vec<usize>,
-    /// For each texel that is shown: irradiance through its kept rays, the sky included.
+    /// For each texel that is shown: irradiance through its kept rays, with the sky unless it is left
+    /// out.
     gathered: Vec<Vec3>,
     /// How far half of the rays behind a texel disagree with all, in luminance.
     spread: Vec<f32>,
@@ -86,6 +90,8 @@ pub(crate) struct Lighting {
     answered: bool,
     /// The sky without detail that few rays would only make noise of.
     soft_sky: Sky,
+    /// Whether texels and probes show what arrives straight from the sky. Patches always reflect it.
+    direct_sky: DirectSky,
     /// For each patch: irradiance straight from punctual lights and the sky.
     arriving: Vec<Vec3>,
     /// All radiance that lights and emission put into the scene, for guessing how bounces scale.
@@ -145,6 +151,7 @@ impl Lighting {
             held: Vec::new(),
             answered: false,
             soft_sky: Sky::default(),
+            direct_sky: DirectSky::default(),
             arriving: Vec::new(),
             source: Vec3::ZERO,
             sky: Vec::new(),
@@ -165,9 +172,13 @@ impl Lighting {
         let mut changed = self.direct.set_lights(&scene.lights);
         self.world.lights = scene.lights.values().copied().collect();
         if self.world.sky != scene.sky {
+            self.soft_sky = soft(&scene.sky, &self.world.sky, &self.soft_sky);
             self.world.sky = scene.sky.clone();
-            self.soft_sky = soft(&scene.sky);
             self.sky_stale = true;
+            changed = true;
+        }
+        if self.direct_sky != scene.direct_sky {
+            self.direct_sky = scene.direct_sky;
             changed = true;
         }
         if changed {
@@ -195,6 +206,7 @@ impl Lighting {
         self.direct.invalidate();
         self.world.sky = old.world.sky.clone();
         self.soft_sky = old.soft_sky.clone();
+        self.direct_sky = old.direct_sky;
         self.held.resize(self.patches.fronts, (Vec3::ZERO, f32::INFINITY));
         for receiver in &self.patches.receivers {
             let id = self.world.instances()[receiver.instance as usize].id;
@@ -252,6 +264,14 @@ impl Lighting {
     pub(crate) fn polish(&mut self) {
         self.polishes += 1;
         self.job = Some(Job::Direct);
+    }
+
+    /// What texels and probes see of the sky straight.
+    fn straight_sky(&self) -> Sky {
+        match self.direct_sky {
+            DirectSky::Included => self.soft_sky.clone(),
+            DirectSky::LeftOut => Sky::default(),
+        }
     }
 
     /// Whether a texel that is shown lies free, not inside of other geometry.

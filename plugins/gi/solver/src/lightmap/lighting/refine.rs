@@ -68,7 +68,7 @@ impl Lighting {
             arriving: &self.arriving,
             sky: &self.sky,
             bounced: &self.bounced,
-            far: &self.soft_sky,
+            straight: &self.straight_sky(),
         };
         let new: Vec<Vec3> = (start..end)
             .into_par_iter()
@@ -133,15 +133,15 @@ struct Known<'a> {
     sky: &'a [Vec3],
     /// From other patches.
     bounced: &'a [Vec3],
-    /// What rays see that meet nothing.
-    far: &'a Sky,
+    /// What a texel's rays see that meet nothing.
+    straight: &'a Sky,
 }
 
 /// Radiance along a ray.
 fn look(world: &World, patches: &Patches, known: &Known<'_>, ray: &Ray) -> Vec3 {
     let hit = world.closest(ray);
     if !hit.is_hit() {
-        return known.far.radiance(ray.direction);
+        return known.straight.radiance(ray.direction);
     }
     let surface = world.surface(&hit, ray.direction);
     let patch = patches.find(patches.meet(world, &hit, ray.direction));

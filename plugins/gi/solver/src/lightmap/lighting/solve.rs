@@ -6,7 +6,10 @@ use glam::{DVec3, Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::{LOW_BLOCKS, Lighting, luminance};
-use crate::lightmap::{sequence::unpack_direction, transport::Block};
+use crate::{
+    lightmap::{sequence::unpack_direction, transport::Block},
+    scene::DirectSky,
+};
 
 /// Shadow rays of one slice.
 const SHADOW_SLICE: usize = 1 << 18;
@@ -87,8 +90,9 @@ impl Lighting {
                     Some(if end < self.patches.fronts { Job::Gather(end) } else { Job::Grids(0) });
             }
             Some(Job::Grids(index)) => {
+                let sky = self.straight_sky();
                 if let Some(grid) = self.grids.get_mut(index) {
-                    grid.solve(&self.table, &self.soft_sky);
+                    grid.solve(&self.table, &sky);
                     self.job = Some(Job::Grids(index + 1));
                 } else {
                     self.job = None;
@@ -199,7 +203,12 @@ impl Lighting {
         let rays_before: u32 = before.iter().map(|b| b.count).sum();
         let rays = rays_before + last.count;
         let end = fronts.min(start + (GATHER_SLICE / rays as usize).max(1));
-        let (table, sky, sky_halves) = (&self.table, &self.sky, &self.sky_halves);
+        let table = &self.table;
+        let (sky, sky_halves): (&[Vec3], &[Vec3]) = match self.direct_sky {
+            DirectSky::Included => (&self.sky, &self.sky_halves),
+            DirectSky::LeftOut => (&[], &[]),
+        };
+        let of = |values: &[Vec3], i: usize| values.get(i).copied().unwrap_or(Vec3::ZERO);
         self.gathered[start..end]
             .par_iter_mut()
             .zip(&mut self.spread[start..end])
@@ -209,9 +218,9 @@ impl Lighting {
                 let i = start + i;
                 let old: Vec4 = before.iter().map(|b| b.gather(i, table)).sum();
                 let new = last.gather(i, table);
-                *gathered = (old + new).truncate() * (PI / rays as f32) + sky[i];
+                *gathered = (old + new).truncate() * (PI / rays as f32) + of(sky, i);
                 let halves = new / last.count as f32 - old / rays_before.max(1) as f32;
-                let halves = halves.truncate() + sky_halves.get(i).copied().unwrap_or(Vec3::ZERO);
+                let halves = halves.truncate() + of(sky_halves, i);
                 *spread = luminance(halves).abs() * PI * 0.5;
             });
         end
