@@ -41,7 +41,7 @@ mod uniform;
 use bevy::{
     asset::AssetEventSystems,
     camera::{CameraUpdateSystems, visibility::VisibilitySystems},
-    light::SimulationLightSystems,
+    light::{DirectionalLightShadowMap, SimulationLightSystems},
     prelude::*,
 };
 use farlight_core::FarlightCorePlugin;
@@ -72,6 +72,11 @@ impl Plugin for IblPlugin {
         if !app.is_plugin_added::<FarlightCorePlugin>() {
             app.add_plugins(FarlightCorePlugin);
         }
+        // Without Bevy's lights and materials, as on a server, there is nothing to shine on.
+        let has_scene = resource_exists::<DirectionalLightShadowMap>
+            .and_then(resource_exists::<Assets<StandardMaterial>>)
+            .and_then(resource_exists::<Assets<Mesh>>)
+            .and_then(resource_exists::<Assets<Image>>);
         app.init_asset::<EnvironmentMap>()
             .register_asset_loader(EnvironmentMapLoader)
             .register_type::<ProgressiveLighting>()
@@ -87,12 +92,16 @@ impl Plugin for IblPlugin {
             .configure_sets(
                 PostUpdate,
                 (
-                    IblSystems::Shine.before(TransformSystems::Propagate).after(AssetEventSystems),
+                    IblSystems::Shine
+                        .before(TransformSystems::Propagate)
+                        .after(AssetEventSystems)
+                        .run_if(has_scene.clone()),
                     IblSystems::Decide
                         .after(TransformSystems::Propagate)
                         .after(CameraUpdateSystems)
                         .after(VisibilitySystems::VisibilityPropagate)
-                        .after(VisibilitySystems::CalculateBounds),
+                        .after(VisibilitySystems::CalculateBounds)
+                        .run_if(has_scene.clone()),
                 ),
             )
             .add_systems(
@@ -116,7 +125,8 @@ impl Plugin for IblPlugin {
                         .after(SimulationLightSystems::UpdateDirectionalLightCascades)
                         .after(VisibilitySystems::CalculateBounds)
                         .after(VisibilitySystems::VisibilityPropagate)
-                        .before(SimulationLightSystems::UpdateLightFrusta),
+                        .before(SimulationLightSystems::UpdateLightFrusta)
+                        .run_if(has_scene),
                 ),
             );
         render::build(app);
