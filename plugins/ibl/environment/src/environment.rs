@@ -46,7 +46,8 @@ impl Repairs {
 }
 
 impl Environment {
-    /// Reads a file: Radiance (.hdr). What it is, is told by its content.
+    /// Reads a file. What it is, is told by its content: Radiance (.hdr), OpenEXR (.exr), KTX2 (.ktx2)
+    /// without compression of blocks, or PNG and JPEG, whose sRGB values become linear.
     ///
     /// # Errors
     /// If it can't be read, is larger than 2 GiB, damaged, of an unknown format, or if its size
@@ -74,7 +75,7 @@ impl Environment {
     /// maps of more than 2048 x 1024 texels averaged down.
     ///
     /// # Errors
-    /// If there are none, or not `width * height`, or a side is longer than 65536.
+    /// If there are none, or not `width * height`, a side is longer than 65536, or there are more than 2^28.
     pub fn from_equirect(
         width: u32,
         height: u32,
@@ -86,6 +87,39 @@ impl Environment {
             return Err(EnvironmentError::Size(what));
         }
         for (y, row) in (0..).zip(texels.chunks_exact(width as usize)) {
+            shrink.row(y, 0, row);
+        }
+        Ok(shrink.finish())
+    }
+
+    /// A map from the six faces of a cube, +X, -X, +Y, -Y, +Z and -Z, row by row from the top, as KTX2
+    /// files and Vulkan have them. In that left-handed frame +Z is ahead; here, as in Bevy's skybox, it
+    /// is -z.
+    ///
+    /// # Errors
+    /// If a face has not `edge * edge` texels, or `edge` is 0 or above 6688.
+    pub fn from_cube(edge: u32, faces: [&[Vec3]; 6]) -> Result<Self, EnvironmentError> {
+        let size = [edge, edge.saturating_mul(6)];
+        let mut shrink = Shrink::new(size, Layout::Cube)?;
+        for (face, texels) in faces.into_iter().enumerate() {
+            check_square(edge, texels)?;
+            for (y, row) in texels.chunks_exact(edge as usize).enumerate() {
+                shrink.row(face * edge as usize + y, 0, row);
+            }
+        }
+        Ok(shrink.finish())
+    }
+
+    /// A map from Debevec's angular map (light probe), row by row from the top: ahead is the centre,
+    /// straight back the circle that touches the edges
+    /// (<https://www.pauldebevec.com/Probes/>, "light probe" format).
+    ///
+    /// # Errors
+    /// If there are not `edge * edge` texels, or `edge` is 0 or above 16384.
+    pub fn from_angular(edge: u32, texels: &[Vec3]) -> Result<Self, EnvironmentError> {
+        let mut shrink = Shrink::new([edge; 2], Layout::Angular)?;
+        check_square(edge, texels)?;
+        for (y, row) in texels.chunks_exact(edge as usize).enumerate() {
             shrink.row(y, 0, row);
         }
         Ok(shrink.finish())
@@ -168,4 +202,12 @@ impl Environment {
     pub(crate) fn parts(&self, fewest: [usize; 2]) -> [usize; 2] {
         [fewest[0].div_ceil(self.width), fewest[1].div_ceil(self.height)]
     }
+}
+
+fn check_square(edge: u32, texels: &[Vec3]) -> Result<(), EnvironmentError> {
+    if texels.len() as u64 == u64::from(edge).pow(2) {
+        return Ok(());
+    }
+    let what = format!("{} texels for a square of {edge} x {edge}", texels.len());
+    Err(EnvironmentError::Size(what))
 }

@@ -92,7 +92,6 @@ pub(crate) enum Cube {
     Column,
 }
 
-#[expect(dead_code, reason = "cubes are told apart, but not read yet")]
 impl Cube {
     /// Squares beside each other and above each other.
     pub(crate) fn squares(self) -> [u32; 2] {

@@ -23,6 +23,7 @@ mod environment;
 mod error;
 mod layout;
 mod lights;
+mod projection;
 mod random;
 mod read;
 mod shrink;

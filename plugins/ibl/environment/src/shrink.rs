@@ -5,12 +5,18 @@ use std::f64::consts::TAU;
 use glam::{DVec3, Vec3};
 
 use crate::layout::Shape;
+use crate::projection::Projection;
 use crate::{Environment, EnvironmentError, Layout, Repairs, sphere};
 
 /// Sides of a picture, in texels.
 const LONGEST_SIDE: u32 = 1 << 16;
-/// A map has at most so many texels.
+/// Texels of a picture: 16k x 16k. A compressed file of a few bytes could hold any number.
+const MOST_TEXELS: u64 = 1 << 28;
+/// A map has at most so many texels each way.
 const MOST: [u32; 2] = [2048, 1024];
+/// So has an angular map, and a face of a cube, before they are unrolled.
+const MOST_ANGULAR: u32 = 2048;
+const MOST_FACE: u32 = 512;
 /// Greater values count as infinite: sums of them must fit a single float.
 const GREATEST: f32 = 1e30;
 
@@ -18,6 +24,9 @@ const GREATEST: f32 = 1e30;
 ///
 /// What it adds up is flux, radiance times solid angle, so that energy is kept whatever the sizes.
 pub(crate) struct Shrink {
+    shape: Shape,
+    /// None for an equirectangular picture.
+    projection: Option<Projection>,
     target: [usize; 2],
     columns: Vec<Overlap>,
     rows: Vec<Row>,
@@ -39,7 +48,7 @@ struct Overlap {
 #[derive(Clone, Copy)]
 struct Row {
     to: Overlap,
-    /// Solid angle of one texel.
+    /// Solid angle of one texel of an equirectangular picture.
     solid_angle: f64,
 }
 
@@ -66,12 +75,21 @@ impl Shrink {
             let what = format!("{width} x {height} texels: each side must be 1 to {LONGEST_SIDE}");
             return Err(EnvironmentError::Size(what));
         }
-        match layout.resolve(size)? {
-            Shape::Equirect => {}
-            other => return Err(EnvironmentError::Unsupported(format!("{other:?}"))),
+        if u64::from(width) * u64::from(height) > MOST_TEXELS {
+            let what = format!("{width} x {height} texels are more than {MOST_TEXELS}");
+            return Err(EnvironmentError::Size(what));
         }
-        let target = [width.min(MOST[0]) as usize, height.min(MOST[1]) as usize];
-        let [width, height] = size.map(|side| side as usize);
+        let shape = layout.resolve(size)?;
+        let target = match shape {
+            Shape::Equirect => [width.min(MOST[0]), height.min(MOST[1])],
+            Shape::Angular => [width.min(MOST_ANGULAR); 2],
+            Shape::Cube(cube) => {
+                let squares = cube.squares();
+                squares.map(|count| count * (width / squares[0]).min(MOST_FACE))
+            }
+        };
+        let [target, [width, height]] = [target, size].map(|size| size.map(|side| side as usize));
+        let projection = Projection::new(shape, [width, height]);
         let columns = (0..width).map(|x| Overlap::new(x, width, target[0])).collect();
         let edges = sphere::row_edges(height);
         let target_edges = sphere::row_edges(target[1]);
@@ -79,13 +97,15 @@ impl Shrink {
             .map(|y| {
                 let mut to = Overlap::new(y, height, target[1]);
                 let whole = edges[y] - edges[y + 1];
-                if to.part < 1.0 {
+                if to.part < 1.0 && projection.is_none() {
                     to.part = ((edges[y] - target_edges[to.first + 1]) / whole).clamp(0.0, 1.0);
                 }
                 Row { to, solid_angle: whole * TAU / width as f64 }
             })
             .collect();
         Ok(Self {
+            shape,
+            projection,
             target,
             columns,
             rows,
@@ -101,14 +121,21 @@ impl Shrink {
         let row = self.rows[y];
         for (x, texel) in (x..).zip(texels) {
             let column = self.columns[x];
+            let solid_angle = match &self.projection {
+                None => row.solid_angle,
+                Some(projection) => projection.solid_angle(x, y),
+            };
+            if solid_angle == 0.0 {
+                continue;
+            }
             let (radiance, infinite) = self.repair(*texel);
             for (to_y, part_y) in row.to.targets() {
                 for (to_x, part_x) in column.targets() {
                     let (at, weight) = (to_y * self.target[0] + to_x, part_x * part_y);
-                    self.flux[at] += radiance * (weight * row.solid_angle);
+                    self.flux[at] += radiance * (weight * solid_angle);
                     if infinite != DVec3::ZERO {
                         self.infinite.resize(self.flux.len(), DVec3::ZERO);
-                        self.infinite[at] += infinite * (weight * row.solid_angle);
+                        self.infinite[at] += infinite * (weight * solid_angle);
                     }
                 }
             }
@@ -144,9 +171,12 @@ impl Shrink {
         for (flux, infinite) in self.flux.iter_mut().zip(&self.infinite) {
             *flux += *infinite * f64::from(self.greatest);
         }
-        let [width, height] = self.target;
+        let (width, height, flux) = match Projection::new(self.shape, self.target) {
+            None => (self.target[0], self.target[1], self.flux),
+            Some(projection) => projection.unroll(&self.flux),
+        };
         let edges = sphere::row_edges(height);
-        let texels = (self.flux.chunks_exact(width).zip(edges.windows(2)))
+        let texels = (flux.chunks_exact(width).zip(edges.windows(2)))
             .flat_map(|(row, cos)| {
                 let solid_angle = (cos[0] - cos[1]) * TAU / width as f64;
                 row.iter().map(move |flux| (*flux / solid_angle).as_vec3())
