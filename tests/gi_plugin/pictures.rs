@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use bevy::{camera::Exposure, core_pipeline::tonemapping::Tonemapping, pbr::Lightmap, prelude::*};
 use farlight::{
+    core::LightingChanged,
     gi::{ExtractedScene, solver::atlas::TexelRect},
     prelude::*,
 };
@@ -190,6 +191,52 @@ fn updates_are_told_when_they_are_written() {
     let status = stage.world().resource::<GiStatus>();
     assert_eq!((status.updates, status.uploaded_bytes), (1, 16 * 16 * 8));
     assert_eq!(status.shown, told[0]);
+}
+
+/// Whoever keeps pictures hears of each frame in which light on surfaces changes, until it is still.
+#[test]
+fn light_that_changes_is_told_until_it_rests() {
+    let mut stage = Stage::new();
+    let quad = stage.quad(true);
+    let scale = Transform::from_scale(Vec3::splat(8.0));
+    let volume = stage.world().spawn((GiProbeVolume { resolution: UVec3::ONE }, scale)).id();
+    // A row or two of texels a frame.
+    stage.world().resource_mut::<GiSettings>().upload_bytes_per_frame = 4096;
+    stage.settle();
+    let mut cursor = stage.world().resource::<Messages<LightingChanged>>().get_cursor();
+    let mut told = |stage: &mut Stage| {
+        stage.update();
+        cursor.read(stage.world().resource::<Messages<LightingChanged>>()).count()
+    };
+    let mut until_quiet = |stage: &mut Stage| {
+        let frames = (0..100).take_while(|_| told(stage) > 0).count();
+        assert!(frames < 100, "it never rests");
+        assert_eq!((0..20).map(|_| told(stage)).sum::<usize>(), 0);
+        frames
+    };
+    until_quiet(&mut stage);
+    let written = |stage: &mut Stage| stage.world().resource::<GiStatus>().uploaded_bytes;
+    let before = written(&mut stage);
+    stage.mock.place(quad, RECT, |_, _| Vec3::splat(0.8));
+    let frames = until_quiet(&mut stage);
+    assert!(frames >= 2, "the frame that writes and the one after, {frames} in all");
+    assert_eq!(written(&mut stage) - before, 16 * 16 * 8);
+    let picture = stage.picture();
+    stage.assert_all(&picture, Vec3::splat(0.4));
+
+    stage.mock.light_volume(volume, UVec3::ONE, vec![farlight::gi::solver::sh::ShRgb::ZERO]);
+    assert!(until_quiet(&mut stage) >= 1);
+    for enabled in [false, true] {
+        stage.world().resource_mut::<GiControl>().enabled = enabled;
+        assert!(until_quiet(&mut stage) >= 1);
+    }
+    // An update that changes no texel.
+    stage.mock.send(&crate::mock::empty());
+    assert_eq!(until_quiet(&mut stage), 0);
+    // Its lightmap goes, two frames later.
+    stage.world().entity_mut(quad).remove::<GiScene>();
+    stage.update();
+    assert!(until_quiet(&mut stage) >= 1);
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`DerivedLight`] | lights that a plugin made; no plugin reads them as lights of the scene |
 //! | [`DiffuseReflectance`] | what surfaces reflect whose material lighting does not know |
+//! | [`LightingChanged`] | solved light on surfaces has become another |
 //! | [`LightmapSystems`] | lightmaps come and go before materials look for them |
 //! | [`SkySource`] | the one sky that lighting counts |
 //! | [`shader_path`] | the suite's shader modules, embedded |
@@ -30,7 +31,7 @@ pub use ron_asset::{FieldProblem, RonError, RonLoader, RonPlugin, RonSettings, p
 pub use shaders::shader_path;
 pub use sky::{DirectSky, SkyRadiance, SkySource, SkyTaken};
 pub use status::{LeftOut, TimeStats, TimeWindow};
-pub use surface::{DiffuseReflectance, LightmapSystems};
+pub use surface::{DiffuseReflectance, LightingChanged, LightmapSystems};
 pub use upload::{Region, RegionProblem, TextureUploads, Ticket, UploadProgress};
 
 /// Registers the shared types, the shader modules and the texture uploader. Add it after the engine's

@@ -19,6 +19,15 @@ pub struct DiffuseReflectance {
     pub double_sided: bool,
 }
 
+/// Sent in every frame in which solved light on surfaces becomes another one that no component shows:
+/// texels of lightmaps or of probe volumes are written on the GPU, or light is switched off and on.
+///
+/// Whoever keeps pictures from frame to frame reads it, or goes on showing old light. After the last
+/// message nothing more changes, so that a still scene comes to rest. Whoever solves light writes it
+/// before [`LightmapSystems::Notice`] (`PostUpdate`); readers run after that.
+#[derive(Message, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LightingChanged;
+
 /// When `Lightmap`s come and go, in `PostUpdate`.
 ///
 /// Bevy chooses a mesh's pipeline when its material changes, not when its lightmap does. So
@@ -35,5 +44,6 @@ pub enum LightmapSystems {
 
 pub(crate) fn build(app: &mut App) {
     app.register_type::<DiffuseReflectance>()
+        .add_message::<LightingChanged>()
         .configure_sets(PostUpdate, (LightmapSystems::Change, LightmapSystems::Notice).chain());
 }

@@ -190,7 +190,7 @@ impl GiLightmaps {
         }
     }
 
-    /// Inserts and removes `Lightmap` components.
+    /// Inserts and removes `Lightmap` components. Answers whether any came or went.
     ///
     /// Bevy takes a lightmap's place only once, and chooses the pipeline when the material
     /// changes: so a component that comes or goes marks the material as changed in the same frame,
@@ -202,10 +202,12 @@ impl GiLightmaps {
         materials: &mut Query<Option<&mut MeshMaterial3d<StandardMaterial>>>,
         unlit: &EntityHashSet,
         done: Ticket,
-    ) {
+    ) -> bool {
+        let mut changed = false;
         for &entity in unlit {
             self.coming.remove(&entity);
             if self.placements.remove(&entity).is_some() {
+                changed = true;
                 remove_lightmap(commands, materials, entity);
             }
         }
@@ -225,6 +227,7 @@ impl GiLightmaps {
                 }
                 placements.remove(&entity);
                 remove_lightmap(commands, materials, entity);
+                changed = true;
                 coming.frames = 1;
                 return true;
             }
@@ -247,8 +250,10 @@ impl GiLightmaps {
                 material.set_changed();
             }
             placements.insert(entity, coming.placement);
+            changed = true;
             false
         });
+        changed
     }
 
     /// Forgets all pages and places, for a backend that starts anew.

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use bevy::{light::IrradianceVolume, platform::time::Instant, prelude::*};
-use farlight_core::{RonSettings, TextureUploads, Ticket};
+use farlight_core::{LightingChanged, RonSettings, TextureUploads, Ticket};
 use farlight_gi_solver::session::{Quality, SnapshotId};
 
 use crate::{
@@ -75,17 +75,18 @@ pub(crate) fn receive(
     mut materials: Query<Option<&mut MeshMaterial3d<StandardMaterial>>>,
     mut shown_volumes: Query<&mut IrradianceVolume, With<GiProbeVolume>>,
     mut removed_volumes: RemovedComponents<GiProbeVolume>,
-    mut updated: MessageWriter<GiUpdated>,
+    (mut updated, mut changed): (MessageWriter<GiUpdated>, MessageWriter<LightingChanged>),
     mut device: Local<u64>,
     meter: Res<GiMeter>,
 ) {
     let _measure = meter.measure(Stage::Apply as usize);
     let shown = control.enabled && *view != GiView::DirectOnly;
     lightmaps.show(shown, &uploads);
-    show_volumes(shown, &mut shown_volumes);
+    let mut visibly = show_volumes(shown, &mut shown_volumes);
     for entity in removed_volumes.read() {
         if !shown_volumes.contains(entity) {
             volumes.remove(entity, &mut commands, &uploads);
+            visibly = true;
         }
     }
 
@@ -98,6 +99,8 @@ pub(crate) fn receive(
         }
     }
     *device = progress.device;
+    // Written in the last frame, which a renderer in a thread of its own may have drawn before.
+    visibly |= status.uploaded_bytes != progress.written_bytes;
     status.uploaded_bytes = progress.written_bytes;
 
     let mut overflow = false;
@@ -131,7 +134,8 @@ pub(crate) fn receive(
     }
 
     let done = if uploads.has_renderer() { progress.done } else { Ticket(u64::MAX) };
-    lightmaps.apply(&mut commands, &mut materials, &extractor.take_unlit(), done);
+    let unlit = extractor.take_unlit();
+    visibly |= lightmaps.apply(&mut commands, &mut materials, &unlit, done);
     tell(
         &mut on_the_way,
         &progress.started,
@@ -141,6 +145,10 @@ pub(crate) fn receive(
         &mut status,
         &mut updated,
     );
+    // What waits is written in this frame, as far as its share of bytes goes.
+    if visibly || uploads.waiting_bytes() > 0 {
+        changed.write_default();
+    }
 }
 
 /// Takes one update over; answers what to wait for and whether the uploads are full.

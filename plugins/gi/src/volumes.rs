@@ -93,16 +93,20 @@ fn intensity(shown: bool) -> f32 {
     if shown { 1.0 } else { 0.0 }
 }
 
-/// Switches volumes with the lightmaps. Bevy gathers volumes every frame, so this is at once.
+/// Switches volumes with the lightmaps. Bevy gathers volumes every frame, so this is at once. Answers
+/// whether any changed.
 pub(crate) fn show_volumes(
     shown: bool,
     volumes: &mut Query<&mut IrradianceVolume, With<GiProbeVolume>>,
-) {
+) -> bool {
+    let mut changed = false;
     for mut volume in volumes {
         if volume.intensity != intensity(shown) {
             volume.intensity = intensity(shown);
+            changed = true;
         }
     }
+    changed
 }
 
 fn volume_image(size: UVec3) -> Image {

@@ -169,6 +169,12 @@ impl TextureUploads {
         }
     }
 
+    /// Bytes that wait.
+    #[must_use]
+    pub fn waiting_bytes(&self) -> usize {
+        self.lock().queue.bytes()
+    }
+
     /// What writing cost since it was last asked.
     #[must_use]
     pub fn take_cost(&self) -> Measured {
