@@ -4,11 +4,16 @@
 mod support;
 
 mod integral;
+mod lights;
 mod one_light;
+mod refined;
 
 use std::{fmt, sync::Arc, time::Duration};
 
-use bevy::{math::DVec3, prelude::*};
+use bevy::{
+    math::{DVec2, DVec3},
+    prelude::*,
+};
 use farlight::{
     btf::{BtfStatus, codec::synthetic},
     prelude::*,
@@ -18,37 +23,46 @@ use support::{ball::Ball, headless::Headless, linear::LinearTarget, shading::Sur
 /// Edge of a picture in pixels.
 const SIZE: u32 = 64;
 
-/// A ball and a camera.
+/// Balls far apart, each before a camera of its own.
 struct Stage {
     headless: Headless,
-    target: LinearTarget,
     ball: Ball,
-    object: Entity,
+    stands: Vec<Stand>,
+}
+
+/// A ball and its picture.
+struct Stand {
+    surface: Surface,
+    target: LinearTarget,
+    camera: Entity,
 }
 
 impl Stage {
-    fn new(surface: &Surface) -> Self {
-        Self::with(surface, |_| {})
-    }
+    /// Metres between balls: no camera sees another one's.
+    const APART: f32 = 16.0;
 
-    /// `configure` may add plugins.
-    fn with(surface: &Surface, configure: impl FnOnce(&mut App)) -> Self {
+    /// `sectors` is how many facets a ball has round its axis.
+    fn new(surfaces: &[Surface], sectors: u32) -> Self {
         let headless = Headless::new(UVec2::splat(SIZE), &support::assets(), |app| {
             app.add_plugins(FarlightPlugins)
                 .insert_resource(GlobalAmbientLight::NONE)
                 .insert_resource(ClearColor(Color::BLACK));
-            configure(app);
         });
         let mut headless = headless.unwrap_or_else(|problem| panic!("{problem}"));
         headless.set_frame_time(Duration::from_millis(16));
-        let target = LinearTarget::new(&mut headless.app, SIZE);
         let ball = Ball::filling(SIZE);
-        let world = headless.app.world_mut();
-        world.spawn((target.camera(), ball.projection(), ball.pose()));
-        let mesh = world.resource_mut::<Assets<Mesh>>().add(ball.mesh());
-        let object = world.spawn((Mesh3d(mesh), Transform::default())).id();
-        let mut stage = Self { headless, target, ball, object };
-        stage.cover(surface);
+        let mesh = headless.app.world_mut().resource_mut::<Assets<Mesh>>().add(ball.mesh(sectors));
+        let mut stage = Self { headless, ball, stands: Vec::new() };
+        for (i, &surface) in (0_u8..).zip(surfaces) {
+            let place = Vec3::X * Self::APART * f32::from(i);
+            let target = LinearTarget::new(&mut stage.headless.app, SIZE);
+            let eye = (target.camera(), ball.projection(), ball.pose_at(place));
+            let camera = stage.world().spawn(eye).id();
+            let object = (Mesh3d(mesh.clone()), Transform::from_translation(place));
+            let object = stage.world().spawn(object).id();
+            stage.cover(object, &surface);
+            stage.stands.push(Stand { surface, target, camera });
+        }
         stage
     }
 
@@ -56,25 +70,17 @@ impl Stage {
         self.headless.app.world_mut()
     }
 
-    /// Gives the ball another surface.
-    fn cover(&mut self, surface: &Surface) {
-        let object = self.object;
+    fn cover(&mut self, object: Entity, surface: &Surface) {
         if let Some(material) = surface.bevy() {
             let material = self.world().resource_mut::<Assets<StandardMaterial>>().add(material);
-            self.world()
-                .entity_mut(object)
-                .remove::<MeshMaterial3d<BtfMaterial>>()
-                .insert(MeshMaterial3d(material));
+            self.world().entity_mut(object).insert(MeshMaterial3d(material));
         } else {
             let &Surface::Lambert { albedo } = surface else { unreachable!("Bevy has the others") };
             let btf = synthetic::lambert(albedo.as_vec3().to_array(), [4, 4]).unwrap();
             let btf = self.world().resource_mut::<Assets<BtfAsset>>().add(BtfAsset(Arc::new(btf)));
             let material = BtfMaterial::new(btf);
             let material = self.world().resource_mut::<Assets<BtfMaterial>>().add(material);
-            self.world()
-                .entity_mut(object)
-                .remove::<MeshMaterial3d<StandardMaterial>>()
-                .insert(MeshMaterial3d(material));
+            self.world().entity_mut(object).insert(MeshMaterial3d(material));
             let ready = |world: &mut World| {
                 let status = world.resource::<BtfStatus>();
                 status.waiting == 0 && status.resident > 0
@@ -85,8 +91,14 @@ impl Stage {
         }
     }
 
-    fn picture(&mut self) -> Vec<DVec3> {
-        self.target.read(&mut self.headless).into_iter().map(Vec3::as_dvec3).collect()
+    /// What each camera sees.
+    fn pictures(&mut self) -> Vec<Vec<DVec3>> {
+        let targets: Vec<_> = self.stands.iter().map(|stand| &stand.target).collect();
+        let pictures = LinearTarget::read(&targets, &mut self.headless);
+        pictures
+            .into_iter()
+            .map(|pixels| pixels.into_iter().map(Vec3::as_dvec3).collect())
+            .collect()
     }
 }
 

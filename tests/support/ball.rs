@@ -31,9 +31,9 @@ impl Ball {
         Self { eye: DVec3::new(1.2, 1.0, 4.0), field_of_view: 29_f64.to_radians(), size }
     }
 
-    /// The camera's pose.
-    pub fn pose(&self) -> Transform {
-        Transform::from_translation(self.eye.as_vec3()).looking_at(Vec3::ZERO, Vec3::Y)
+    /// The camera's pose where the ball's middle is at `place` instead.
+    pub fn pose_at(&self, place: Vec3) -> Transform {
+        Transform::from_translation(place + self.eye.as_vec3()).looking_at(place, Vec3::Y)
     }
 
     /// The camera's projection.
@@ -45,15 +45,15 @@ impl Ball {
         })
     }
 
-    /// The mesh; its facets are 1/10,000 of the radius below the ball at most.
-    pub fn mesh(&self) -> Mesh {
-        Sphere::new(1.0).mesh().uv(320, 160)
+    /// The mesh of `sectors` by half as many facets, which lie up to `5 / sectors²` below the ball.
+    pub fn mesh(&self, sectors: u32) -> Mesh {
+        Sphere::new(1.0).mesh().uv(sectors, sectors / 2)
     }
 
     /// What a place of the picture shows, in pixels from its top left corner.
     pub fn seen_at(&self, place: DVec2) -> Option<Seen> {
         let forward = -self.eye.normalize();
-        let turn: DQuat = self.pose().rotation.as_dquat();
+        let turn: DQuat = self.pose_at(Vec3::ZERO).rotation.as_dquat();
         let (right, up) = (turn * DVec3::X, turn * DVec3::Y);
         let half = (self.field_of_view / 2.0).tan();
         let on_screen = (place / f64::from(self.size) * 2.0 - 1.0) * half;

@@ -48,34 +48,38 @@ impl LinearTarget {
         )
     }
 
-    /// What is in it after some frames more, rows from the top.
+    /// What is in each after some frames more, rows from the top.
     ///
     /// # Panics
     /// If the GPU does not answer.
-    pub fn read(&self, headless: &mut Headless) -> Vec<Vec3> {
-        let slot = Arc::new(Mutex::new(Vec::new()));
-        let filled = slot.clone();
-        let readback = Readback::texture(self.image.clone());
-        let reader = headless
-            .app
-            .world_mut()
-            .spawn(readback)
-            .observe(move |event: On<ReadbackComplete>| {
-                filled.lock().unwrap().clone_from(&event.data);
+    pub fn read(targets: &[&Self], headless: &mut Headless) -> Vec<Vec<Vec3>> {
+        let readers: Vec<_> = targets
+            .iter()
+            .map(|target| {
+                let slot = Arc::new(Mutex::new(Vec::new()));
+                let filled = slot.clone();
+                let readback = Readback::texture(target.image.clone());
+                let mut reader = headless.app.world_mut().spawn(readback);
+                reader.observe(move |event: On<ReadbackComplete>| {
+                    filled.lock().unwrap().clone_from(&event.data);
+                });
+                (reader.id(), slot)
             })
-            .id();
+            .collect();
         // The first answers are of frames before.
         for _ in 0..8 {
             headless.update().unwrap_or_else(|problem| panic!("{problem}"));
         }
-        headless.app.world_mut().entity_mut(reader).despawn();
-        let bytes = slot.lock().unwrap().clone();
-        let pixels = (self.size * self.size) as usize;
-        assert_eq!(bytes.len(), pixels * 8, "no answer of {}", headless.adapter());
         let half = |bytes: &[u8]| f16::from_le_bytes([bytes[0], bytes[1]]).to_f32();
-        bytes
-            .chunks_exact(8)
-            .map(|pixel| Vec3::new(half(pixel), half(&pixel[2..]), half(&pixel[4..])))
-            .collect()
+        let mut pictures = Vec::new();
+        for (target, (reader, slot)) in targets.iter().zip(readers) {
+            headless.app.world_mut().entity_mut(reader).despawn();
+            let bytes = slot.lock().unwrap().clone();
+            let pixels = (target.size * target.size) as usize;
+            assert_eq!(bytes.len(), pixels * 8, "no answer of {}", headless.adapter());
+            let pixel = |p: &[u8]| Vec3::new(half(p), half(&p[2..]), half(&p[4..]));
+            pictures.push(bytes.chunks_exact(8).map(pixel).collect());
+        }
+        pictures
     }
 }

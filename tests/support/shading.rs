@@ -5,7 +5,7 @@
 //! the height-correlated Smith term, Schlick's Fresnel and a factor for scattering between facets; the
 //! formulas are those of <https://google.github.io/filament/Filament.md.html>, sections 4.4 to 4.7.
 
-use std::f64::consts::PI;
+use std::{f64::consts::PI, fmt};
 
 use bevy::{math::DVec3, prelude::*};
 
@@ -54,6 +54,19 @@ impl Surface {
             reflectance: reflectance as f32,
             ..default()
         })
+    }
+}
+
+impl fmt::Display for Surface {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Lambert { albedo } => write!(f, "Lambert {albedo}"),
+            Self::Standard { base_color, metallic, perceptual_roughness, reflectance } => write!(
+                f,
+                "roughness {perceptual_roughness}, metallic {metallic}, reflectance {reflectance}, \
+                 colour {base_color}"
+            ),
+        }
     }
 }
 
