@@ -26,15 +26,19 @@
 //! motion; here they move along ([`ProgressiveCamera`]).
 //!
 //! The lights are Bevy's own `DirectionalLight`s, marked `DerivedLight`, so that every material is
-//! lit by them; the game's own lights keep their places among the ten that Bevy draws.
+//! lit by them; the game's own lights keep their places among the ten that Bevy draws. The map is
+//! the app's [`SkySource`](farlight_core::SkySource): plugins that solve indirect light know it, and
+//! leave what comes straight from it to the lights.
 
 mod camera;
 mod cascades;
 mod changes;
 mod environment;
 mod lights;
+mod relit;
 mod render;
 mod settings;
+mod sky;
 mod status;
 mod uniform;
 
@@ -44,7 +48,7 @@ use bevy::{
     light::{DirectionalLightShadowMap, SimulationLightSystems},
     prelude::*,
 };
-use farlight_core::FarlightCorePlugin;
+use farlight_core::{FarlightCorePlugin, LightmapSystems};
 
 pub use camera::{ProgressiveCamera, Refinement};
 pub use changes::Disturb;
@@ -89,6 +93,7 @@ impl Plugin for IblPlugin {
             .init_resource::<environment::Choice>()
             .init_resource::<lights::Group>()
             .init_resource::<changes::Changes>()
+            .init_resource::<sky::SkyImage>()
             .configure_sets(
                 PostUpdate,
                 (
@@ -107,7 +112,9 @@ impl Plugin for IblPlugin {
             .add_systems(
                 PostUpdate,
                 (
-                    (environment::choose, lights::shine).chain().in_set(IblSystems::Shine),
+                    (environment::choose, lights::shine, sky::claim)
+                        .chain()
+                        .in_set(IblSystems::Shine),
                     (
                         changes::notice_meshes,
                         changes::notice_light,
@@ -129,6 +136,10 @@ impl Plugin for IblPlugin {
                         .run_if(has_scene),
                 ),
             );
+        app.add_systems(
+            PostUpdate,
+            relit::notice.after(LightmapSystems::Notice).before(IblSystems::Decide),
+        );
         render::build(app);
     }
 }
