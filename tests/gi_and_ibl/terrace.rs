@@ -80,6 +80,17 @@ impl Terrace {
         Self { stage, camera, floor }
     }
 
+    /// Adds probes, and a board of the floor's material in the air, which isn't solved for. Answers the
+    /// height of its upper side and whether it is seen at a place.
+    pub(crate) fn add_board(&mut self) -> (f32, impl Fn(f32, f32) -> bool + use<>) {
+        let volume = Transform::from_xyz(0.0, 1.2, 0.0).with_scale(Vec3::new(4.0, 2.4, 4.0));
+        self.stage.spawn((GiProbeVolume { resolution: UVec3::new(8, 6, 8) }, volume));
+        let (edge, place) = (0.8, Vec3::new(-0.3, 0.8, 0.4));
+        moving(&mut self.stage, FLOOR, Vec3::new(edge, 0.04, edge), place);
+        let inside = edge * 0.5 - WIDTH / SIZE as f32;
+        (place.y + 0.02, move |x, z| (x - place.x).abs().max((z - place.z).abs()) < inside)
+    }
+
     /// Frames until light is solved and shown, and the picture refined.
     pub(crate) fn rest(&mut self) {
         let camera = self.camera;
@@ -113,28 +124,36 @@ impl Terrace {
         !self.stage.world().resource::<Messages<LightingChanged>>().is_empty()
     }
 
-    /// Pairs of what the picture shows of the floor and what the path tracer says, with everything;
-    /// and the path tracer's part that comes straight from the sky.
-    pub(crate) fn against_reference(&mut self) -> Vec<[f32; 3]> {
+    /// Whether the floor is seen there, well away from walls and block: bilinear lookups blur contacts.
+    pub(crate) fn is_free(x: f32, z: f32) -> bool {
+        let block = (x - 0.9).abs().max((z + 0.8).abs()) < 0.4 + 0.25;
+        x > -1.4 + 0.25 && z < 1.4 - 0.25 && !block
+    }
+
+    /// What the picture shows where `is_part`, of a surface of the floor's material at a height that faces
+    /// up; what the path tracer says of it; and its part that comes straight from the sky.
+    pub(crate) fn against_reference(
+        &mut self,
+        height: f32,
+        is_part: impl Fn(f32, f32) -> bool,
+    ) -> Vec<[f32; 3]> {
         let picture = self.stage.floats();
         let mut pixels = Vec::new();
         let mut receivers = Vec::new();
-        for y in (1..SIZE).step_by(3) {
-            for x in (1..SIZE).step_by(3) {
+        for y in (1..SIZE).step_by(2) {
+            for x in (1..SIZE).step_by(2) {
                 let at = |i: u32| ((i as f32 + 0.5) / SIZE as f32 - 0.5) * WIDTH;
                 let (x_world, z_world) = (at(x), at(y));
-                // Beside walls and block, a texel and more away: bilinear lookups blur contacts.
-                let block = (x_world - 0.9).abs().max((z_world + 0.8).abs()) < 0.4 + 0.25;
-                if x_world < -1.4 + 0.25 || z_world > 1.4 - 0.25 || block {
+                if !is_part(x_world, z_world) {
                     continue;
                 }
                 pixels.push(picture[(y * SIZE + x) as usize]);
-                let position = Vec3::new(x_world, 0.0, z_world);
+                let position = Vec3::new(x_world, height, z_world);
                 receivers.push(Receiver { position, normal: Vec3::Y });
             }
         }
         let scene = self.stage.world().resource::<ExtractedScene>().scene.clone();
-        let settings = GatherSettings { paths: 4096, seed: 7 };
+        let settings = GatherSettings { paths: 2048, seed: 7 };
         let world = SolverWorld::new(&scene);
         let light = gather_receivers(&world, &receivers, &settings, no_progress()).unwrap();
         let shown = |irradiance: Vec3| (irradiance * FLOOR * FRAC_1_PI).element_sum();
@@ -151,6 +170,13 @@ impl Terrace {
 
 /// A box that takes part in the indirect light.
 fn thing(stage: &mut Stage, albedo: Vec3, size: Vec3, place: Vec3) -> Entity {
+    let thing = moving(stage, albedo, size, place);
+    stage.world().entity_mut(thing).insert(GiScene);
+    thing
+}
+
+/// A box that moves, as far as lighting knows.
+fn moving(stage: &mut Stage, albedo: Vec3, size: Vec3, place: Vec3) -> Entity {
     let mesh = stage.mesh(Cuboid::from_size(size));
     let material = stage.material(StandardMaterial {
         base_color: Color::linear_rgb(albedo.x, albedo.y, albedo.z),
@@ -158,5 +184,5 @@ fn thing(stage: &mut Stage, albedo: Vec3, size: Vec3, place: Vec3) -> Entity {
         reflectance: 0.0,
         ..default()
     });
-    stage.spawn((mesh, material, Transform::from_translation(place), GiScene))
+    stage.spawn((mesh, material, Transform::from_translation(place)))
 }

@@ -3,9 +3,12 @@
 use glam::{UVec3, Vec4};
 use rayon::prelude::*;
 
-use super::transport::{Block, Buried, Origin, space_direction};
+use super::{
+    sequence::unpack_direction,
+    sky::SkyTable,
+    transport::{Block, Buried, Origin, space_direction},
+};
 use crate::{
-    scene::Sky,
     session::{GridId, ProbeGrid},
     sh::{ShRgb, sh_basis},
 };
@@ -67,8 +70,9 @@ impl GridState {
         self.blocks.iter().filter(|b| b.origins() == self.origins.len())
     }
 
-    /// Solves all probes from the radiance that leaves the patches.
-    pub(crate) fn solve(&mut self, table: &[Vec4], sky: &Sky) {
+    /// Solves all probes from the radiance that leaves the patches, and that of the sky unless it is left
+    /// out.
+    pub(crate) fn solve(&mut self, table: &[Vec4], sky: Option<&SkyTable>) {
         let rays = self.rays();
         if rays == 0 {
             return;
@@ -90,14 +94,13 @@ impl GridState {
                         }
                     }
                 }
-                if !sky.is_black() {
+                if let Some(sky) = sky.filter(|sky| !sky.is_black()) {
                     let start = block.sky.partition_point(|(origin, _)| (*origin as usize) < i);
                     for &(_, packed) in
                         block.sky[start..].iter().take_while(|(o, _)| *o as usize == i)
                     {
-                        let direction = super::sequence::unpack_direction(packed);
-                        let radiance = sky.radiance(direction).extend(0.0);
-                        for (sum, y) in sums.iter_mut().zip(sh_basis(direction)) {
+                        let radiance = sky.radiance(packed).extend(0.0);
+                        for (sum, y) in sums.iter_mut().zip(sh_basis(unpack_direction(packed))) {
                             *sum += radiance * y;
                         }
                     }

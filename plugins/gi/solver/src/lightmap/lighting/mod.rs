@@ -24,7 +24,7 @@ use super::{
     grids::GridState,
     patches::Patches,
     raster::MeshTexels,
-    sky::soft,
+    sky::{SkyTable, soft},
     transport::{Block, Buried},
 };
 use crate::{
@@ -90,6 +90,8 @@ pub(crate) struct Lighting {
     answered: bool,
     /// The sky without detail that few rays would only make noise of.
     soft_sky: Sky,
+    /// The same for kept rays.
+    sky_table: SkyTable,
     /// Whether texels and probes show what arrives straight from the sky. Patches always reflect it.
     direct_sky: DirectSky,
     /// For each patch: irradiance straight from punctual lights and the sky.
@@ -151,6 +153,7 @@ impl Lighting {
             held: Vec::new(),
             answered: false,
             soft_sky: Sky::default(),
+            sky_table: SkyTable::default(),
             direct_sky: DirectSky::default(),
             arriving: Vec::new(),
             source: Vec3::ZERO,
@@ -173,6 +176,7 @@ impl Lighting {
         self.world.lights = scene.lights.values().copied().collect();
         if self.world.sky != scene.sky {
             self.soft_sky = soft(&scene.sky, &self.world.sky, &self.soft_sky);
+            self.sky_table = SkyTable::new(&self.soft_sky);
             self.world.sky = scene.sky.clone();
             self.sky_stale = true;
             changed = true;
@@ -206,6 +210,7 @@ impl Lighting {
         self.direct.invalidate();
         self.world.sky = old.world.sky.clone();
         self.soft_sky = old.soft_sky.clone();
+        std::mem::swap(&mut self.sky_table, &mut old.sky_table);
         self.direct_sky = old.direct_sky;
         self.held.resize(self.patches.fronts, (Vec3::ZERO, f32::INFINITY));
         for receiver in &self.patches.receivers {
@@ -264,14 +269,6 @@ impl Lighting {
     pub(crate) fn polish(&mut self) {
         self.polishes += 1;
         self.job = Some(Job::Direct);
-    }
-
-    /// What texels and probes see of the sky straight.
-    fn straight_sky(&self) -> Sky {
-        match self.direct_sky {
-            DirectSky::Included => self.soft_sky.clone(),
-            DirectSky::LeftOut => Sky::default(),
-        }
     }
 
     /// Whether a texel that is shown lies free, not inside of other geometry.

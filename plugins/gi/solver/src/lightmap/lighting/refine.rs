@@ -19,7 +19,7 @@ use crate::{
         transport::{Origin, family_ray, family_seed},
     },
     path::{SAMPLE_ALL_LIGHTS, direct_irradiance},
-    scene::Sky,
+    scene::{DirectSky, Sky},
     visibility::offset_origin,
 };
 
@@ -68,7 +68,7 @@ impl Lighting {
             arriving: &self.arriving,
             sky: &self.sky,
             bounced: &self.bounced,
-            straight: &self.straight_sky(),
+            straight: (self.direct_sky == DirectSky::Included).then_some(&self.soft_sky),
         };
         let new: Vec<Vec3> = (start..end)
             .into_par_iter()
@@ -134,14 +134,14 @@ struct Known<'a> {
     /// From other patches.
     bounced: &'a [Vec3],
     /// What a texel's rays see that meet nothing.
-    straight: &'a Sky,
+    straight: Option<&'a Sky>,
 }
 
 /// Radiance along a ray.
 fn look(world: &World, patches: &Patches, known: &Known<'_>, ray: &Ray) -> Vec3 {
     let hit = world.closest(ray);
     if !hit.is_hit() {
-        return known.straight.radiance(ray.direction);
+        return known.straight.map_or(Vec3::ZERO, |sky| sky.radiance(ray.direction));
     }
     let surface = world.surface(&hit, ray.direction);
     let patch = patches.find(patches.meet(world, &hit, ray.direction));

@@ -6,10 +6,7 @@ use glam::{DVec3, Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::{LOW_BLOCKS, Lighting, luminance};
-use crate::{
-    lightmap::{sequence::unpack_direction, transport::Block},
-    scene::DirectSky,
-};
+use crate::{lightmap::transport::Block, scene::DirectSky};
 
 /// Shadow rays of one slice.
 const SHADOW_SLICE: usize = 1 << 18;
@@ -90,9 +87,9 @@ impl Lighting {
                     Some(if end < self.patches.fronts { Job::Gather(end) } else { Job::Grids(0) });
             }
             Some(Job::Grids(index)) => {
-                let sky = self.straight_sky();
                 if let Some(grid) = self.grids.get_mut(index) {
-                    grid.solve(&self.table, &sky);
+                    let included = self.direct_sky == DirectSky::Included;
+                    grid.solve(&self.table, included.then_some(&self.sky_table));
                     self.job = Some(Job::Grids(index + 1));
                 } else {
                     self.job = None;
@@ -236,9 +233,10 @@ impl Lighting {
         self.sky.clear();
         self.sky.resize(count, Vec3::ZERO);
         self.sky_halves.clear();
-        if self.soft_sky.is_black() {
+        if self.sky_table.is_black() {
             return;
         }
+        let table = &self.sky_table;
         let fronts = self.patches.fronts;
         let blocks: Vec<&Block> = self.blocks.iter().filter(|b| b.origins() >= fronts).collect();
         let mut rays = vec![0_u32; count];
@@ -248,8 +246,13 @@ impl Lighting {
                 self.sky_halves = self.sky.iter().zip(&rays).take(fronts).map(mean).collect();
             }
             let mut sums = vec![Vec3::ZERO; block.origins()];
-            for &(origin, packed) in &block.sky {
-                sums[origin as usize] += self.soft_sky.radiance(unpack_direction(packed));
+            let of_origin = |rays: &[(u32, u32)]| {
+                (rays[0].0, rays.iter().map(|(_, packed)| table.radiance(*packed)).sum())
+            };
+            let seen: Vec<(u32, Vec3)> =
+                block.sky.par_chunk_by(|a, b| a.0 == b.0).map(of_origin).collect();
+            for (origin, sum) in seen {
+                sums[origin as usize] = sum;
             }
             if k + 1 == blocks.len() {
                 for (half, sum) in self.sky_halves.iter_mut().zip(&sums) {
