@@ -97,8 +97,8 @@ pub mod prelude {
     };
     #[cfg(feature = "ibl")]
     pub use farlight_ibl::{
-        EnvironmentMap, EnvironmentStatus, IblPlugin, ProgressiveCamera, ProgressiveLighting,
-        Refinement,
+        EnvironmentBackdrop, EnvironmentMap, EnvironmentStatus, IblPlugin, ImageBasedFallback,
+        ProgressiveCamera, ProgressiveLighting, RefinedScreenshot, Refinement,
     };
     #[cfg(feature = "remote")]
     pub use farlight_remote::{RemoteBackend, RemoteSettings};

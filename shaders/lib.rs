@@ -49,6 +49,7 @@ pub const MODULES: &[Module] = &modules![
     pure "btf/evaluate_points.wgsl",
     pure "btf/evaluate_lights.wgsl",
     pure "ibl/accumulate.wgsl",
+    pure "ibl/dots.wgsl",
     pure "ibl/present.wgsl",
     engine "lighting/surface.wgsl",
     engine "lighting/lights.wgsl",

@@ -44,6 +44,9 @@ pub struct Headless {
 #[derive(Resource, Clone)]
 struct HeadlessTarget(Handle<Image>);
 
+/// A picture that was asked for.
+pub struct Capture(Arc<Mutex<Option<Vec<u8>>>>);
+
 /// What the renderer complained about; rendering has stopped for good.
 #[derive(Resource)]
 struct RenderFailure(String);
@@ -190,26 +193,62 @@ impl Headless {
         }
     }
 
-    /// Renders further frames until a picture of one of them has come back.
+    /// The image that cameras draw into.
+    #[must_use]
+    pub fn target(&self) -> RenderTarget {
+        RenderTarget::from(self.target.clone())
+    }
+
+    /// Renders further frames until a picture of one of them, the first, has come back.
     ///
     /// # Errors
     /// As [`update`](Self::update), or if no picture comes.
     pub fn capture(&mut self) -> Result<Picture, String> {
-        let slot = Arc::new(Mutex::new(None));
-        let filled = slot.clone();
-        self.app.world_mut().spawn(Screenshot::image(self.target.clone())).observe(
-            move |captured: On<ScreenshotCaptured>| {
-                let pixels = captured.image.data.clone().unwrap_or_default();
-                *filled.lock().unwrap_or_else(|e| e.into_inner()) = Some(pixels);
-            },
-        );
+        let capture = self.begin_capture(Screenshot::image(self.target.clone()));
         for _ in 0..SCREENSHOT_FRAMES {
             self.update()?;
-            if let Some(data) = slot.lock().unwrap_or_else(|e| e.into_inner()).take() {
-                return Picture::from_rgba(self.size, &data);
+            if let Some(picture) = self.captured(&capture) {
+                return picture;
             }
         }
         Err(format!("no screenshot within {SCREENSHOT_FRAMES} frames on {}", self.adapter()))
+    }
+
+    /// Asks for a picture of the image, by a `Screenshot` or what becomes one.
+    pub fn begin_capture(&mut self, screenshot: impl Bundle) -> Capture {
+        let slot = Arc::new(Mutex::new(None));
+        let filled = slot.clone();
+        self.app.world_mut().spawn(screenshot).observe(move |captured: On<ScreenshotCaptured>| {
+            let pixels = captured.image.data.clone().unwrap_or_default();
+            *filled.lock().unwrap_or_else(|e| e.into_inner()) = Some(pixels);
+        });
+        Capture(slot)
+    }
+
+    /// Runs frames until a picture that was asked for is there.
+    ///
+    /// # Errors
+    /// As [`update`](Self::update), or if `patience` runs out.
+    pub fn finish_capture(
+        &mut self,
+        capture: &Capture,
+        patience: Duration,
+    ) -> Result<Picture, String> {
+        let start = Instant::now();
+        loop {
+            if let Some(picture) = self.captured(capture) {
+                return picture;
+            }
+            if start.elapsed() > patience {
+                return Err(format!("waited {patience:?} in vain for a picture"));
+            }
+            self.update()?;
+        }
+    }
+
+    fn captured(&self, Capture(slot): &Capture) -> Option<Result<Picture, String>> {
+        let data = slot.lock().unwrap_or_else(|e| e.into_inner()).take()?;
+        Some(Picture::from_rgba(self.size, &data))
     }
 }
 

@@ -3,5 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod backdrop;
 mod refine;
+mod screenshot;
 mod stage;

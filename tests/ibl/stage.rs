@@ -108,13 +108,18 @@ impl Stage {
         self.headless.update().unwrap_or_else(|problem| panic!("{problem}"));
     }
 
+    /// Frames until `done`.
+    pub(crate) fn until(&mut self, what: &str, done: impl FnMut(&mut World) -> bool) {
+        self.headless
+            .update_until(what, Duration::from_secs(120), done)
+            .unwrap_or_else(|problem| panic!("{problem}"));
+    }
+
     /// Frames until the camera's picture is refined.
     pub(crate) fn refine(&mut self, camera: Entity) {
-        let refined =
-            |world: &mut World| world.get::<Refinement>(camera).is_some_and(Refinement::is_refined);
-        self.headless
-            .update_until("a refined picture", Duration::from_secs(120), refined)
-            .unwrap_or_else(|problem| panic!("{problem}"));
+        self.until("a refined picture", |world| {
+            world.get::<Refinement>(camera).is_some_and(Refinement::is_refined)
+        });
     }
 
     /// What the camera sees in the next frames, the last of them: linear light, rows from the top.

@@ -129,6 +129,21 @@ impl ExtractComponent for Progress {
     }
 }
 
+/// A camera that no longer refines its picture is an ordinary one again.
+pub(crate) fn forget(
+    mut commands: Commands,
+    mut removed: RemovedComponents<ProgressiveCamera>,
+    mut cameras: Query<Option<&mut TemporalJitter>, (With<Progress>, Without<ProgressiveCamera>)>,
+) {
+    for entity in removed.read() {
+        let Ok(jitter) = cameras.get_mut(entity) else { continue };
+        if let Some(mut jitter) = jitter {
+            jitter.offset = Vec2::ZERO;
+        }
+        commands.entity(entity).remove::<Progress>();
+    }
+}
+
 /// Decides what each camera does in this frame.
 pub(crate) fn decide(
     mut commands: Commands,
@@ -185,8 +200,13 @@ pub(crate) fn decide(
         let offset = match action {
             Action::Show | Action::Present => Vec2::ZERO,
             Action::Move => halton(progress.frame % 64) - 0.5,
-            // From the start of the sequence, so that equal scenes give equal pictures.
-            Action::Rest => halton(progress.still) - 0.5,
+            // From the start of the sequence, so that equal scenes give equal pictures. A group that
+            // comes again comes at another place, whatever the number of groups has in common with
+            // the sequence's bases.
+            Action::Rest => {
+                let [round, place] = [progress.still / cycle, progress.still % cycle].map(halton);
+                (round + place).fract() - 0.5
+            }
         };
         if jitter.offset != offset {
             jitter.offset = offset;

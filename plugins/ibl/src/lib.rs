@@ -33,12 +33,15 @@
 mod camera;
 mod cascades;
 mod changes;
+mod dots;
 mod environment;
 mod lights;
 mod relit;
 mod render;
+mod screenshot;
 mod settings;
 mod sky;
+mod skybox;
 mod status;
 mod uniform;
 
@@ -52,9 +55,12 @@ use farlight_core::{FarlightCorePlugin, LightmapSystems};
 
 pub use camera::{ProgressiveCamera, Refinement};
 pub use changes::Disturb;
+pub use dots::{EnvironmentDots, EnvironmentLights};
 pub use environment::{EnvironmentMap, EnvironmentMapError, EnvironmentMapLoader};
 pub use farlight_environment as environment_maps;
+pub use screenshot::RefinedScreenshot;
 pub use settings::{LIGHTS, PER_FRAME, ProgressiveLighting};
+pub use skybox::{EnvironmentBackdrop, ImageBasedFallback};
 pub use status::{EnvironmentState, EnvironmentStatus};
 
 /// When this crate's systems run, all in `PostUpdate`.
@@ -86,12 +92,15 @@ impl Plugin for IblPlugin {
             .register_type::<ProgressiveLighting>()
             .register_type::<ProgressiveCamera>()
             .register_type::<Refinement>()
+            .register_type::<EnvironmentBackdrop>()
+            .register_type::<ImageBasedFallback>()
             .add_message::<Disturb>()
             .init_resource::<ProgressiveLighting>()
             .init_resource::<EnvironmentStatus>()
             .init_resource::<environment::Lights>()
             .init_resource::<environment::Choice>()
             .init_resource::<lights::Group>()
+            .init_resource::<skybox::Cubes>()
             .init_resource::<changes::Changes>()
             .init_resource::<sky::SkyImage>()
             .configure_sets(
@@ -112,7 +121,14 @@ impl Plugin for IblPlugin {
             .add_systems(
                 PostUpdate,
                 (
-                    (environment::choose, lights::shine, sky::claim)
+                    (
+                        environment::choose,
+                        lights::shine,
+                        sky::claim,
+                        skybox::forget,
+                        skybox::show_backdrops,
+                        skybox::fall_back,
+                    )
                         .chain()
                         .in_set(IblSystems::Shine),
                     (
@@ -124,7 +140,9 @@ impl Plugin for IblPlugin {
                             changes::notice_assets::<StandardMaterial>,
                         )
                             .chain(),
+                        camera::forget,
                         camera::decide,
+                        screenshot::take,
                     )
                         .chain()
                         .in_set(IblSystems::Decide),
@@ -141,5 +159,6 @@ impl Plugin for IblPlugin {
             relit::notice.after(LightmapSystems::Notice).before(IblSystems::Decide),
         );
         render::build(app);
+        dots::build(app);
     }
 }

@@ -20,6 +20,9 @@ use bevy::{
     },
 };
 
+pub(crate) use history::Histories;
+pub(crate) use pass::refine;
+
 use crate::{camera::Progress, changes::Changes, uniform::Changed};
 
 /// What the render world tells the main world.
@@ -63,7 +66,7 @@ pub(crate) fn build(app: &mut App) {
         .insert_resource(pending)
         .init_resource::<pass::ExtractedChanges>()
         .init_gpu_resource::<pass::Pipelines>()
-        .init_gpu_resource::<history::Histories>()
+        .init_gpu_resource::<Histories>()
         .add_systems(ExtractSchedule, extract_changes)
         .add_systems(
             Render,
@@ -82,6 +85,6 @@ pub(crate) fn build(app: &mut App) {
         )
         .add_systems(
             Core3d,
-            pass::refine.after(Core3dSystems::MainPass).before(Core3dSystems::EarlyPostProcess),
+            refine.after(Core3dSystems::MainPass).before(Core3dSystems::EarlyPostProcess),
         );
 }
