@@ -112,6 +112,11 @@ fn the_configuration_that_ships_is_the_default_and_names_every_field() {
         "gain",
         "environments",
         "brightness",
+        "progressive",
+        "on",
+        "lights",
+        "per_frame",
+        "shadows",
         "light",
         "illuminance",
         "direction",
@@ -148,6 +153,7 @@ fn every_field_is_read() {
         models: [(name: "a", shape: File("a.glb"), uv_metres: 0.5, turn: 90.0)],
         materials: [(name: "m", path: "m.fbtf", size: Some((0.1, 0.2)), gain: 2.0)],
         environments: [(name: "e", path: "e.hdr", brightness: 125.0, turn: 10.0)],
+        progressive: (on: false, lights: 64, per_frame: 3, shadows: false),
         light: (illuminance: 100.0, direction: (10.0, 20.0)),
         exposure: 7.0,
         start: (object: "a", material: "m", light: Five, environment: "e", backdrop: false, floor: false),
@@ -167,6 +173,8 @@ fn every_field_is_read() {
     assert!(config.camera != default.camera && config.screenshots != default.screenshots);
     assert!(config.base_scale != default.base_scale && config.base_offset != default.base_offset);
     assert!(config.environments != default.environments && config.light != default.light);
+    assert!(config.progressive.lights == 64 && config.progressive.per_frame == 3);
+    assert!(!config.progressive.on && !config.progressive.shadows);
     assert!(config.exposure != default.exposure && config.start != default.start);
 }
 
@@ -201,7 +209,7 @@ fn every_light_lights_and_every_object_is_there() {
     for (rig, mean) in [("point", point), ("five", five), ("sun", sun), ("spot", spot)] {
         assert!(mean > 32.0, "{rig}: {mean}");
     }
-    let plain = ["--light", "none", "--environment", "interior"];
+    let plain = ["--light", "none", "--environment", "interior", "--progressive", "off"];
     let objects = ["plane", "drape", "hippo"];
     let shown = objects.map(|object| {
         turntable(object, &[&plain[..], &["--object", object]].concat()).swap_remove(0)
@@ -211,6 +219,20 @@ fn every_light_lights_and_every_object_is_there() {
             assert!(difference(a, b) > 2.0, "{} looks like another", objects[i]);
         }
     }
+}
+
+#[test]
+fn the_light_of_environments_is_refined_or_image_based() {
+    let arguments = ["--light", "none", "--environment", "evening", "--object", "bunny"];
+    let [refined, image_based] = ["on", "off"].map(|progressive| {
+        let more = [&arguments[..], &["--progressive", progressive]].concat();
+        turntable(progressive, &more).swap_remove(0)
+    });
+    let change = difference(&refined, &image_based);
+    let (bright, other) = (refined.mean(), image_based.mean());
+    println!("{change:.1} of 255 apart; mean {bright:.1} refined, {other:.1} image-based");
+    assert!(change > 0.5, "no shadows");
+    assert!((bright / other - 1.0).abs() < 0.25, "{bright} {other}");
 }
 
 #[test]
@@ -231,6 +253,7 @@ fn what_cannot_be_read_is_said() {
     let output = run(&["--object", "unicorn"]);
     assert!(words(&output).contains("unicorn") && words(&output).contains("hippo"));
     assert_eq!(viewer(&["--light", "moon"]).status.code(), Some(2));
+    assert_eq!(viewer(&["--progressive", "maybe"]).status.code(), Some(2));
     assert_eq!(viewer(&["--headless"]).status.code(), Some(2));
     let help = viewer(&["--help"]);
     assert!(help.status.success() && words(&help).contains("--environment NAME"));

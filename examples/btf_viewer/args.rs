@@ -19,7 +19,9 @@ OPTIONS
     --material NAME     one of its materials, or a file: .fbtf, a BTFbase binary or folder; for archives
                         of pictures see `farlight btf import`
     --light RIG         point, five, sun, spot or none
-    --environment NAME  one of its environments, an .hdr file (equirectangular), or none
+    --environment NAME  one of its environments, a file (.hdr, .exr, .ktx2), or none
+    --progressive on|off  whether the environment's light is refined from frame to frame, with shadows,
+                        or is Bevy's image-based light
     --exposure EV       exposure value at ISO 100; one more is half as bright
     --camera X,Y,Z      where the camera stands, in metres from the object's middle; the object faces +z
     --size WxH          of the pictures (default 640x480) or of the window, 16 to 8192 a side
@@ -48,6 +50,7 @@ pub struct Args {
     material: Option<String>,
     light: Option<Rig>,
     environment: Option<String>,
+    progressive: Option<bool>,
     exposure: Option<f32>,
     camera: Option<(f32, f32, f32)>,
     /// Size of pictures or window.
@@ -73,6 +76,13 @@ impl Args {
                 "--material" => args.material = Some(value()?),
                 "--light" => args.light = Some(rig(&value()?)?),
                 "--environment" => args.environment = Some(value()?),
+                "--progressive" => {
+                    args.progressive = Some(match value()?.as_str() {
+                        "on" => true,
+                        "off" => false,
+                        other => return Err(format!("--progressive {other}: not on or off")),
+                    });
+                }
                 "--exposure" => args.exposure = Some(number(&name, &value()?)?),
                 "--camera" => args.camera = Some(place(&value()?)?),
                 "--size" => args.size = Some(size(&value()?)?),
@@ -141,6 +151,7 @@ impl Args {
             }
         }
         config.start.light = self.light.unwrap_or(config.start.light);
+        config.progressive.on = self.progressive.unwrap_or(config.progressive.on);
         config.exposure = self.exposure.unwrap_or(config.exposure);
         config.camera.position = self.camera.unwrap_or(config.camera.position);
         config.window = self.size.unwrap_or(config.window);

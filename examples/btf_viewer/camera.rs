@@ -14,6 +14,8 @@ use bevy::{
     window::PrimaryWindow,
 };
 
+use farlight::prelude::*;
+
 use super::{
     config::Viewer,
     orbit::Orbit,
@@ -111,6 +113,7 @@ pub fn screenshot(
     canvas: Res<Canvas>,
     config: Res<Config>,
     shown: Res<Shown>,
+    refining: Query<Entity, With<ProgressiveCamera>>,
     mut problems: ResMut<Problems>,
 ) {
     if !keys.any_just_pressed([KeyCode::KeyP, KeyCode::F12]) {
@@ -132,5 +135,10 @@ pub fn screenshot(
         .map(|n| folder.join(format!("{stem}-{n}.png")))
         .find(|path| !path.exists())
         .unwrap_or_else(|| folder.join(format!("{stem}.png")));
-    commands.spawn(Screenshot::image(canvas.0.clone())).observe(save_to_disk(path));
+    // As soon as the picture is refined.
+    if let Ok(camera) = refining.single() {
+        commands.spawn(RefinedScreenshot(camera)).observe(save_to_disk(path));
+    } else {
+        commands.spawn(Screenshot::image(canvas.0.clone())).observe(save_to_disk(path));
+    }
 }

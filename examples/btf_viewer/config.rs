@@ -41,6 +41,8 @@ pub struct Viewer {
     pub materials: Vec<Material>,
     /// Environments to choose from; "none" comes by itself.
     pub environments: Vec<Environment>,
+    /// How environments give their light.
+    pub progressive: Progressive,
     /// Lamps.
     pub light: Light,
     /// Exposure value at ISO 100, -10 to 25; one more is half as bright.
@@ -125,7 +127,7 @@ pub struct Material {
 pub struct Environment {
     /// What it is called on screen and on the command line.
     pub name: String,
-    /// An equirectangular Radiance picture (`.hdr`).
+    /// An equirectangular picture, an angular map or a cube map: `.hdr`, `.exr`, `.ktx2`.
     pub path: String,
     /// How many cd/m² a value of 1 is, 0 to 1 million.
     #[serde(default = "thousand")]
@@ -133,6 +135,21 @@ pub struct Environment {
     /// Turn about the vertical axis in degrees.
     #[serde(default)]
     pub turn: f32,
+}
+
+/// How environments give their light.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Progressive {
+    /// Whether it is refined from frame to frame by directional lights, with shadows. Else it is Bevy's
+    /// image-based light: at once, without shadows.
+    pub on: bool,
+    /// Directional lights that stand for an environment, 1 to 4096.
+    pub lights: u32,
+    /// How many of them shine in a frame, 1 to 10.
+    pub per_frame: u32,
+    /// Whether they cast shadows.
+    pub shadows: bool,
 }
 
 /// Lamps.
@@ -222,7 +239,10 @@ impl Default for Viewer {
                 size: None,
                 gain: 1.0,
             }],
-            environments: ["studio", "sky", "interior"].map(environment).to_vec(),
+            environments: ["studio", "sky", "interior", "overcast", "evening"]
+                .map(environment)
+                .to_vec(),
+            progressive: Progressive::default(),
             light: Light::default(),
             exposure: 9.7,
             start: Start::default(),
@@ -239,6 +259,12 @@ impl Default for Resolution {
 impl Default for CameraPlace {
     fn default() -> Self {
         Self { position: (1.7, 0.7, 3.7), field_of_view: 36.0 }
+    }
+}
+
+impl Default for Progressive {
+    fn default() -> Self {
+        Self { on: true, lights: 200, per_frame: 5, shadows: true }
     }
 }
 
@@ -301,6 +327,9 @@ impl RonSettings for Viewer {
         within("base_scale", self.base_scale, 0.01, 100.0)?;
         within("base_offset", Vec3::from(self.base_offset).length(), 0.0, 1e4)?;
         within("exposure", self.exposure, -10.0, 25.0)?;
+        let Progressive { lights, per_frame, .. } = self.progressive;
+        within("progressive.lights", lights as f32, 1.0, 4096.0)?;
+        within("progressive.per_frame", per_frame as f32, 1.0, 10.0)?;
         within("light.illuminance", self.light.illuminance, 0.0, 1e6)?;
         within("light.direction", self.light.direction.1, -90.0, 90.0)?;
         if self.models.is_empty() {

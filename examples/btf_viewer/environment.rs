@@ -1,98 +1,124 @@
-//! The environment: read in a thread, then light and backdrop of the camera.
+//! The environment: the object's light, and what is seen behind it.
+//!
+//! Its light is refined from frame to frame by directional lights with shadows, or is Bevy's
+//! image-based light without; both are of the same map.
 
-use std::collections::HashMap;
+use std::time::SystemTime;
 
 use bevy::{
+    asset::AssetPath,
+    core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass},
     light::Skybox,
     prelude::*,
-    tasks::{AsyncComputeTaskPool, Task, futures::check_ready},
+    render::camera::TemporalJitter,
 };
+use farlight::{ibl::EnvironmentState, prelude::*};
 
 use super::{
-    equirect::{self, Cubes},
+    config::{self, Progressive},
     state::{self, Config, Problems, Shown},
 };
 
-/// An environment's maps.
-enum Entry {
-    Reading(Task<Result<Cubes, String>>),
-    Ready { backdrop: Handle<Image>, specular: Handle<Image>, diffuse: Handle<Image> },
-    Failed(String),
+/// The multisampling that a camera has while it doesn't refine its picture.
+#[derive(Component, Clone, Copy)]
+pub struct Plain(Msaa);
+
+fn path(chosen: &config::Environment) -> AssetPath<'static> {
+    AssetPath::from_path_buf(chosen.path.clone().into())
 }
 
-/// All environments that were shown, by path.
-#[derive(Resource, Default)]
-pub struct Environments(HashMap<String, Entry>);
-
-impl Environments {
-    /// Whether the chosen one is still being read.
-    pub fn busy(&self) -> bool {
-        self.0.values().any(|entry| matches!(entry, Entry::Reading(_)))
-    }
-}
-
-/// Reads the chosen environment and gives it to the camera.
+/// Gives the chosen environment to the light and to the camera.
 pub fn show(
     mut commands: Commands,
     config: Res<Config>,
     shown: Res<Shown>,
-    mut environments: ResMut<Environments>,
-    mut images: ResMut<Assets<Image>>,
-    mut problems: ResMut<Problems>,
-    camera: Single<Entity, With<Camera3d>>,
+    server: Res<AssetServer>,
+    mut lighting: ResMut<ProgressiveLighting>,
+    cameras: Query<(Entity, &Msaa, Option<&Plain>, Has<ProgressiveCamera>), With<Camera3d>>,
 ) {
-    for entry in environments.0.values_mut() {
-        let Entry::Reading(task) = entry else { continue };
-        match check_ready(task) {
-            None => {}
-            Some(Ok(Cubes { backdrop, specular, diffuse })) => {
-                let [backdrop, specular, diffuse] =
-                    [backdrop, specular, diffuse].map(|image| images.add(image));
-                *entry = Entry::Ready { backdrop, specular, diffuse };
-            }
-            Some(Err(message)) => {
-                error!("{message}");
-                *entry = Entry::Failed(message);
-            }
-        }
+    if !config.is_changed() && !shown.is_changed() {
+        return;
     }
     let chosen = shown.environment.and_then(|i| config.0.environments.get(i));
-    let Some(chosen) = chosen else {
-        problems.environment = None;
-        commands.entity(*camera).remove::<(Skybox, EnvironmentMapLight)>();
-        return;
-    };
-    let entry = environments.0.entry(chosen.path.clone()).or_insert_with(|| {
-        let path = state::on_disk(&chosen.path);
-        Entry::Reading(AsyncComputeTaskPool::get().spawn(async move { equirect::read(&path) }))
+    // It turns with the lamps.
+    let turn = chosen
+        .map_or(0.0, |chosen| chosen.turn + shown.light_direction.x - config.0.light.direction.0);
+    let Progressive { lights, per_frame, shadows, .. } = config.0.progressive;
+    lighting.set_if_neq(ProgressiveLighting {
+        enabled: shown.progressive,
+        environment: chosen.map(|chosen| server.load(path(chosen))),
+        rotation: Quat::from_rotation_y(turn.to_radians()),
+        brightness: chosen.map_or(0.0, |chosen| chosen.brightness),
+        lights,
+        per_frame,
+        shadows,
+        shadow_distance: 30.0 * config.0.base_scale.max(1.0),
+        ..default()
     });
-    match entry {
-        Entry::Reading(_) => {}
-        Entry::Failed(message) => {
-            problems.environment = Some(message.clone());
-            commands.entity(*camera).remove::<(Skybox, EnvironmentMapLight)>();
-        }
-        Entry::Ready { backdrop, specular, diffuse } => {
-            problems.environment = None;
-            // It turns with the lamps.
-            let turn = chosen.turn + shown.light_direction.x - config.0.light.direction.0;
-            let rotation = Quat::from_rotation_y(turn.to_radians());
-            commands.entity(*camera).insert(EnvironmentMapLight {
-                diffuse_map: diffuse.clone(),
-                specular_map: specular.clone(),
-                intensity: chosen.brightness,
-                rotation,
-                ..default()
-            });
-            if shown.backdrop {
-                commands.entity(*camera).insert(Skybox {
-                    image: Some(backdrop.clone()),
-                    brightness: chosen.brightness,
-                    rotation,
-                });
-            } else {
-                commands.entity(*camera).remove::<Skybox>();
+    for (entity, msaa, plain, refines) in &cameras {
+        let mut camera = commands.entity(entity);
+        camera.insert_if_new(ImageBasedFallback);
+        match (shown.progressive && chosen.is_some(), refines) {
+            (true, false) => {
+                camera.insert((Plain(*msaa), ProgressiveCamera::default()));
             }
+            (false, true) => {
+                camera.remove::<(ProgressiveCamera, Refinement, TemporalJitter)>();
+                camera.remove::<(DepthPrepass, MotionVectorPrepass)>();
+                camera.insert(plain.map_or(Msaa::Sample4, |plain| plain.0));
+            }
+            _ => {}
         }
+        if shown.backdrop {
+            camera.insert_if_new(EnvironmentBackdrop::default());
+        } else {
+            camera.remove::<EnvironmentBackdrop>();
+        }
+    }
+}
+
+/// Says what is wrong with the environment, and reads it again when its file changes: looks once a
+/// second.
+pub fn watch(
+    time: Res<Time<Real>>,
+    config: Res<Config>,
+    shown: Res<Shown>,
+    status: Res<EnvironmentStatus>,
+    server: Res<AssetServer>,
+    mut problems: ResMut<Problems>,
+    mut seen: Local<(f32, String, Option<SystemTime>)>,
+) {
+    let problem = match &status.state {
+        EnvironmentState::Failed(reason) => Some(reason.to_string()),
+        _ => None,
+    };
+    if problems.environment != problem {
+        problems.environment = problem;
+    }
+    let now = time.elapsed_secs();
+    let chosen = shown.environment.and_then(|i| config.0.environments.get(i));
+    let Some(chosen) = chosen.filter(|_| now - seen.0 > 1.0) else { return };
+    let written = state::written(&state::on_disk(&chosen.path));
+    if seen.1 == chosen.path && seen.2 != written && written.is_some() {
+        server.reload(path(chosen));
+    }
+    *seen = (now, chosen.path.clone(), written);
+}
+
+/// Whether what the chosen environment does is still being prepared.
+pub fn is_busy(world: &mut World) -> bool {
+    let shown = world.resource::<Shown>();
+    let (wanted, progressive) = (shown.environment.is_some(), shown.progressive);
+    let backdrop = wanted && shown.backdrop;
+    let mut cameras =
+        world.query_filtered::<(Has<Skybox>, Has<EnvironmentMapLight>), With<Camera3d>>();
+    let missing = cameras
+        .iter(world)
+        .any(|(sky, light)| (backdrop && !sky) || (wanted && !progressive && !light));
+    match world.resource::<EnvironmentStatus>().state {
+        EnvironmentState::Failed(_) => false,
+        EnvironmentState::None => wanted,
+        EnvironmentState::Ready => missing,
+        EnvironmentState::Loading | EnvironmentState::Choosing => true,
     }
 }

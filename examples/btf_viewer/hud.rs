@@ -1,11 +1,11 @@
 //! Keys, and what is on screen about them.
 
 use bevy::{input::mouse::AccumulatedMouseMotion, prelude::*};
+use farlight::{ibl::EnvironmentState, prelude::*};
 
 use super::{
     camera,
     config::Rig,
-    environment::Environments,
     material::{self, Materials},
     orbit::Orbit,
     state::{Config, Problems, Shown},
@@ -27,6 +27,7 @@ const KEYS: &str = "\
 O  M  L  N    next object, material, lamps, environment
 with Shift    the one before
 B  F          backdrop, plinth
+G             environment's light: refined, or image-based
 +  -          brighter, darker
 [  ]          finer, larger pattern
 4  6          coarser, finer picture
@@ -110,6 +111,7 @@ pub fn keys(
         new.environment = (then < count).then_some(then);
     }
     new.backdrop ^= keys.just_pressed(KeyCode::KeyB);
+    new.progressive ^= keys.just_pressed(KeyCode::KeyG);
     new.floor ^= keys.just_pressed(KeyCode::KeyF);
     new.turning ^= keys.just_pressed(KeyCode::Space);
     let step = |more: bool, less: bool| f32::from(i8::from(more) - i8::from(less));
@@ -153,7 +155,8 @@ pub fn show(
     config: Res<Config>,
     shown: Res<Shown>,
     materials: Res<Materials>,
-    environments: Res<Environments>,
+    status: Res<EnvironmentStatus>,
+    cameras: Query<&Refinement>,
     problems: Res<Problems>,
     mut states: Query<&mut Text, (With<State>, Without<Wrong>)>,
     mut wrongs: Query<&mut Text, With<Wrong>>,
@@ -186,7 +189,20 @@ pub fn show(
     });
     let environment = shown.environment.and_then(|i| config.environments.get(i));
     let environment = environment.map_or("no environment", |e| e.name.as_str());
-    let reading = if environments.busy() { " (reading ...)" } else { "" };
+    let reading = match status.state {
+        EnvironmentState::Loading | EnvironmentState::Choosing => " (reading ...)",
+        _ => "",
+    };
+    let refined = cameras.iter().next().map_or("image-based".into(), |refinement| {
+        let crowded = if status.crowded_out { " (crowded out)" } else { "" };
+        let lights = format!("{} lights, {} a frame{crowded}", status.lights, status.per_frame);
+        if refinement.is_refined() {
+            format!("{lights}, refined")
+        } else {
+            format!("{lights}, {} of {} frames", refinement.frames, refinement.of)
+        }
+    });
+    let refined = if shown.environment.is_some() { format!(": {refined}") } else { String::new() };
     let lamps = match shown.light {
         Rig::None => "no lamps",
         Rig::Point => "one point light",
@@ -195,7 +211,7 @@ pub fn show(
         Rig::Spot => "spot light",
     };
     let text = format!(
-        "{object}\n{material}\n{lamps}, {environment}{reading}\nexposure {:.1} EV, resolution {:.0} %, \
+        "{object}\n{material}\n{lamps}, {environment}{reading}{refined}\nexposure {:.1} EV, resolution {:.0} %, \
          {rate:.0} frames/s",
         shown.exposure,
         shown.resolution * 100.0,

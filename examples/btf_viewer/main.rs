@@ -11,7 +11,6 @@ mod args;
 mod camera;
 mod config;
 mod environment;
-mod equirect;
 #[path = "../common/headless.rs"]
 #[expect(dead_code, reason = "shared with the tests")]
 mod headless;
@@ -21,6 +20,8 @@ mod material;
 mod object;
 #[path = "../common/room/orbit.rs"]
 mod orbit;
+#[path = "../common/ring.rs"]
+mod ring;
 mod state;
 mod tangents;
 mod turntable;
@@ -83,17 +84,16 @@ fn build(app: &mut App, config: Viewer, source: Source) {
         .insert_resource(Config(config))
         .insert_resource(source)
         .init_resource::<Problems>()
-        .init_resource::<environment::Environments>()
         .init_resource::<object::Stand>()
         .insert_resource(GlobalAmbientLight::NONE)
-        .add_plugins((FarlightCorePlugin, BtfPlugin, material::plugin))
+        .add_plugins((FarlightCorePlugin, BtfPlugin, IblPlugin, material::plugin))
         .add_systems(Startup, (camera::spawn, lamps::spawn, object::spawn))
         .add_systems(
             Update,
             (
                 (object::choose, object::arrive, object::fit, object::place).chain(),
                 lamps::hang,
-                environment::show,
+                (environment::show, environment::watch).chain(),
                 camera::tune,
             ),
         );
@@ -119,10 +119,20 @@ fn window(config: Viewer, source: Source) -> Result<(), String> {
             }),
     );
     build(&mut app, config, source);
-    app.add_systems(Startup, hud::spawn).add_systems(PostStartup, camera::hang_canvas).add_systems(
-        Update,
-        (state::watch, hud::keys, orbit::orbit, camera::fit_canvas, camera::screenshot, hud::show),
-    );
+    app.add_systems(Startup, (hud::spawn, ring::spawn))
+        .add_systems(PostStartup, camera::hang_canvas)
+        .add_systems(
+            Update,
+            (
+                state::watch,
+                hud::keys,
+                orbit::orbit,
+                camera::fit_canvas,
+                camera::screenshot,
+                hud::show,
+                ring::show,
+            ),
+        );
     match app.run() {
         AppExit::Success => Ok(()),
         AppExit::Error(code) => Err(format!("the app exited with code {code}")),

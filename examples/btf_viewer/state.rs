@@ -39,6 +39,8 @@ pub struct Shown {
     pub environment: Option<usize>,
     /// Whether it is seen behind the object.
     pub backdrop: bool,
+    /// Whether its light is refined from frame to frame; else it is image-based light.
+    pub progressive: bool,
     /// Whether the object stands on something.
     pub floor: bool,
     /// Exposure value at ISO 100.
@@ -67,6 +69,7 @@ impl Shown {
             light: start.light,
             environment: config.environments.iter().position(|e| e.name == start.environment),
             backdrop: start.backdrop,
+            progressive: config.progressive.on,
             floor: start.floor,
             exposure: config.exposure,
             resolution: config.resolution.scale,

@@ -3,11 +3,11 @@
 use std::{path::Path, time::Duration};
 
 use bevy::prelude::*;
-use farlight::btf::BtfStatus;
+use farlight::{btf::BtfStatus, prelude::*};
 
 use super::{
     config::Viewer,
-    environment::Environments,
+    environment,
     headless::{Headless, Picture},
     material::Materials,
     object::{Arriving, Unfitted},
@@ -36,7 +36,7 @@ pub fn run(
         headless.update()?;
     }
     headless.update_until("object, material and environment", PATIENCE, |world| {
-        let busy = world.resource::<Materials>().busy() || world.resource::<Environments>().busy();
+        let busy = world.resource::<Materials>().busy() || environment::is_busy(world);
         let mut arriving = world.query_filtered::<(), Or<(With<Arriving>, With<Unfitted>)>>();
         !busy && arriving.iter(world).next().is_none()
     })?;
@@ -51,13 +51,24 @@ pub fn run(
     if !problems.is_empty() {
         return Err(problems.join("\n"));
     }
-    headless.capture_still()?;
+    // A camera that refines its picture says itself when it is done.
+    let world = headless.app.world_mut();
+    let refining = world.query_filtered::<Entity, With<ProgressiveCamera>>().single(world).ok();
+    if refining.is_none() {
+        headless.capture_still()?;
+    }
     let mut pictures = Vec::new();
     for frame in 0..frames {
         let turn = 360.0 * frame as f32 / frames as f32;
         headless.app.world_mut().resource_mut::<Shown>().turn = turn;
         headless.update()?;
-        let picture = headless.capture()?;
+        let picture = match refining {
+            Some(camera) => {
+                let shot = headless.begin_capture(RefinedScreenshot(camera));
+                headless.finish_capture(&shot, PATIENCE)?
+            }
+            None => headless.capture()?,
+        };
         if let Some(problem) = picture.problem() {
             return Err(format!("the picture at {turn} degrees is {problem}"));
         }
