@@ -41,6 +41,12 @@ impl From<farlight_btf_codec::BtfError> for CliError {
     }
 }
 
+impl From<farlight_environment::EnvironmentError> for CliError {
+    fn from(error: farlight_environment::EnvironmentError) -> Self {
+        Self(error.to_string())
+    }
+}
+
 /// The text of a file.
 pub(crate) fn read_text(path: &Path) -> Result<String, CliError> {
     let bytes = std::fs::read(path).map_err(|e| CliError::io(path, "read", &e))?;

@@ -4,6 +4,7 @@ mod bake;
 mod btf;
 mod check;
 mod error;
+mod ibl;
 mod job;
 mod output;
 mod progress;
@@ -30,6 +31,7 @@ enum Command {
     Bake(bake::Args),
     Btf(btf::Args),
     Check(check::Args),
+    Ibl(ibl::Args),
     Serve(serve::Args),
 }
 
@@ -38,6 +40,7 @@ fn main() -> ExitCode {
         Command::Bake(args) => bake::run(&args),
         Command::Btf(args) => btf::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Ibl(args) => ibl::run(&args),
         Command::Serve(args) => serve::run(&args),
     };
     match result {

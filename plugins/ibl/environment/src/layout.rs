@@ -18,7 +18,8 @@ pub enum Layout {
     /// Longitude and latitude: `u = 0.5 + atan2(x, -z) / 2π`, `v = acos(y) / π`; any shape.
     Equirect,
     /// Debevec's angular map (light probe): the centre is straight ahead, the angle from there grows
-    /// evenly up to straight back at the circle that touches the edges (<https://www.pauldebevec.com/Probes/>).
+    /// evenly up to straight back at the circle that touches the edges
+    /// (<https://www.pauldebevec.com/Probes/>).
     Angular,
     /// Six squares: a cross lying (4:3) or standing (3:4, its lowest square upside down), or a strip
     /// in the order +X, -X, +Y, -Y, +Z, -Z (6:1, 1:6); each face as Vulkan has it.

@@ -52,7 +52,8 @@ impl Environment {
     /// Lights whose sum replaces the map; always as many as were asked for.
     ///
     /// Any n consecutive ones of the N lights, their irradiance times N / n, are an estimate of all
-    /// that is right on average over seeds. A black map gives lights of no irradiance, in directions all round.
+    /// that is right on average over seeds. A black map gives lights of no irradiance, in directions
+    /// all round.
     #[must_use]
     pub fn lights(&self, request: &LightRequest) -> Vec<EnvironmentLight> {
         LightExtractor::new(self, request.method).lights(request.count, request.seed)

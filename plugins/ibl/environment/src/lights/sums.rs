@@ -1,4 +1,4 @@
-//! Sums of luminance over rectangles of the map, by a table.
+//! Sums over rectangles of the map, by a table.
 
 use std::f64::consts::TAU;
 
@@ -22,8 +22,8 @@ pub(super) struct Sums<'a> {
     pub(super) height: usize,
     /// Cosines at the edges of the rows.
     edges: Vec<f64>,
-    /// (V, E) above and to the left of each corner of a cell: the integrals of luminance times the
-    /// unit vector, and of luminance.
+    /// (V, E) above and to the left of each corner of a cell: the integrals of luminance times its
+    /// worth times the unit vector, and without that.
     table: Vec<DVec4>,
     black: bool,
 }
@@ -40,8 +40,6 @@ pub(super) struct Rect {
 pub(super) struct Sent {
     /// Integral of radiance a channel.
     pub(super) energy: DVec3,
-    /// Integral of radiance times the unit vector a channel.
-    pub(super) vectors: [DVec3; 3],
     /// Integral of luminance times the unit vector; of the unit vector alone for a black map.
     pub(super) vector: DVec3,
 }
@@ -133,13 +131,13 @@ impl<'a> Sums<'a> {
         above + (below - above) * part_y
     }
 
-    /// The column coordinate that leaves the part `u` of the rectangle's luminance to its left.
+    /// The column coordinate that leaves the part `u` of the rectangle's E to its left.
     pub(super) fn column_at(&self, rect: Rect, u: f64) -> f64 {
         let left = |x: f64| self.of(Rect { x: [rect.x[0], x], ..rect }).w;
         find(rect.x, u * left(rect.x[1]), left)
     }
 
-    /// The row coordinate that leaves the part `u` of the rectangle's luminance above it.
+    /// The row coordinate that leaves the part `u` of the rectangle's E above it.
     pub(super) fn row_at(&self, rect: Rect, u: f64) -> f64 {
         let above = |y: f64| self.of(Rect { y: [rect.y[0], y], ..rect }).w;
         find(rect.y, u * above(rect.y[1]), above)
@@ -170,28 +168,34 @@ impl<'a> Sums<'a> {
         let columns: Vec<_> = pieces(rect.x)
             .map(|[from, to]| {
                 let [a, b] = [from, to].map(|x| sphere::azimuth(x, self.width));
-                (from as usize % self.width, b - a, sphere::sector(a, b))
+                (from as usize % self.width / self.parts[0], b - a, sphere::sector(a, b))
             })
             .collect();
         for [from, to] in pieces(rect.y) {
-            let row = (from as usize).min(self.height - 1);
+            let row = (from as usize).min(self.height - 1) / self.parts[1];
+            let width = self.environment.width() as usize;
+            let texels = &self.environment.texels()[row * width..][..width];
+            // Over the row: radiance times azimuth, times x and times z.
+            let [mut turned, mut right, mut back] = [DVec3::ZERO; 3];
+            let mut vector = DVec3::ZERO;
+            for (x, turn, sector) in &columns {
+                let radiance = texels[*x].as_dvec3();
+                turned += radiance * *turn;
+                right += radiance * sector.x;
+                back += radiance * sector.y;
+                vector += DVec3::new(sector.x, *turn, sector.y);
+            }
             let [top, bottom] = [from, to].map(|y| self.cos(y));
             let band = sphere::band(top, bottom);
-            for (x, turn, sector) in &columns {
-                let vector = DVec3::new(band.x * sector.x, band.y * turn, band.x * sector.y);
-                let radiance = self.radiance(*x, row);
-                sent.energy += radiance * ((top - bottom) * turn);
-                for channel in 0..3 {
-                    sent.vectors[channel] += vector * radiance[channel];
-                }
-                if self.black {
-                    sent.vector += vector;
-                }
-            }
-        }
-        if !self.black {
-            let [r, g, b] = sent.vectors;
-            sent.vector = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+            let band = DVec3::new(band.x, band.y, band.x);
+            sent.energy += turned * (top - bottom);
+            let luminance = |rgb: DVec3| rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722));
+            sent.vector += band
+                * if self.black {
+                    vector
+                } else {
+                    DVec3::from([right, turned, back].map(luminance))
+                };
         }
         sent
     }
