@@ -148,7 +148,7 @@ fn methods_are_compared_in_a_table_and_a_plot() {
     // In %: lights drawn by themselves err by about 10, those in the middle of regions by less than 1.
     assert!(many[0] > 4.0 && many[3] < 1.0, "{said}");
     let svg = fs::read_to_string(out).unwrap();
-    assert_eq!(svg.matches("<polyline").count(), 4);
+    assert_eq!(svg.matches("stroke-width=\"2\"").count(), 4);
 }
 
 #[test]

@@ -100,10 +100,11 @@ pub(super) fn svg(title: &str, counts: &[u32], curves: &[Curve]) -> String {
         let points: Vec<[f64; 2]> = (counts.iter().zip(&curve.errors))
             .map(|(count, error)| [x.at(f64::from(*count)), y.at(error.max(LEAST))])
             .collect();
+        // Not a polyline: some viewers close it.
         let line: Vec<String> = points.iter().map(|p| format!("{:.1},{:.1}", p[0], p[1])).collect();
         push(format_args!(
-            "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\"/>",
-            line.join(" ")
+            "<path d=\"M{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\"/>",
+            line.join("L")
         ));
         for [x, y] in &points {
             push(format_args!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"{colour}\"/>"));
@@ -145,8 +146,8 @@ mod tests {
             svg.contains("a &amp; b") && svg.contains(">centroids<") && svg.ends_with("</svg>\n")
         );
         // From the left to the right edge, from the upper edge to half of the height.
-        assert!(svg.contains("points=\"80.0,56.0 680.0,258.0\""), "{svg}");
-        assert!(svg.contains("points=\"80.0,258.0 680.0,460.0\""), "{svg}");
+        assert!(svg.contains("d=\"M80.0,56.0L680.0,258.0\""), "{svg}");
+        assert!(svg.contains("d=\"M80.0,258.0L680.0,460.0\""), "{svg}");
         assert!(svg.contains(">1 %<") && svg.contains(">10 %<") && svg.contains(">500<"));
     }
 
