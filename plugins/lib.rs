@@ -78,9 +78,25 @@ impl PluginGroup for FarlightPlugins {
         let group = group.add(farlight_gi::GiPlugin::default());
         #[cfg(feature = "ibl")]
         let group = group.add(farlight_ibl::IblPlugin);
+        #[cfg(all(feature = "btf", feature = "ibl"))]
+        let group = group.add(WatchMeasured);
         #[cfg(feature = "remote")]
         let group = group.add(farlight_remote::RemotePlugin);
         group
+    }
+}
+
+/// Pictures that refine themselves follow measured materials.
+#[cfg(all(feature = "btf", feature = "ibl"))]
+struct WatchMeasured;
+
+#[cfg(all(feature = "btf", feature = "ibl"))]
+impl bevy::app::Plugin for WatchMeasured {
+    fn build(&self, app: &mut bevy::app::App) {
+        use farlight_ibl::WatchMaterial;
+        if app.is_plugin_added::<farlight_ibl::IblPlugin>() {
+            app.watch_material::<farlight_btf::BtfMaterial>();
+        }
     }
 }
 

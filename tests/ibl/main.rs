@@ -4,6 +4,10 @@
 mod support;
 
 mod backdrop;
+mod cameras;
+mod changes;
+mod own_lights;
 mod refine;
 mod screenshot;
+mod shadows;
 mod stage;

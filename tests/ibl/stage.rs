@@ -6,15 +6,19 @@ use std::{
 };
 
 use bevy::{
-    camera::{Exposure, RenderTarget},
+    camera::{Exposure, Hdr, RenderTarget},
     core_pipeline::tonemapping::{DebandDither, Tonemapping},
+    light::{DirectionalLightShadowMap, PointLightShadowMap},
     prelude::*,
     render::{
         gpu_readback::{Readback, ReadbackComplete},
         render_resource::{TextureFormat, TextureUsages},
     },
 };
-use farlight::{ibl::environment_maps::Environment, prelude::*};
+use farlight::{
+    ibl::{EnvironmentState, environment_maps::Environment},
+    prelude::*,
+};
 use half::f16;
 
 use crate::support::{self, headless::Headless};
@@ -34,14 +38,14 @@ impl Stage {
             app.add_plugins(FarlightPlugins)
                 .insert_resource(GlobalAmbientLight::NONE)
                 .insert_resource(ClearColor(Color::BLACK))
-                .insert_resource(bevy::light::DirectionalLightShadowMap { size: 512 });
+                .insert_resource(DirectionalLightShadowMap { size: 512 })
+                .insert_resource(PointLightShadowMap { size: 128 });
         });
         let mut headless = headless.unwrap_or_else(|problem| panic!("{problem}"));
         headless.set_frame_time(Duration::from_millis(16));
-        let mut image = Image::new_target_texture(SIZE, SIZE, TextureFormat::Rgba16Float, None);
-        image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
-        let floats = headless.app.world_mut().resource_mut::<Assets<Image>>().add(image);
-        Self { headless, floats }
+        let mut stage = Self { headless, floats: Handle::default() };
+        stage.floats = stage.target(UVec2::splat(SIZE));
+        stage
     }
 
     pub(crate) fn world(&mut self) -> &mut World {
@@ -52,12 +56,29 @@ impl Stage {
         self.world().spawn(bundle).id()
     }
 
+    /// An image that cameras may draw into.
+    pub(crate) fn target(&mut self, size: UVec2) -> Handle<Image> {
+        let format = TextureFormat::Rgba16Float;
+        let mut image = Image::new_target_texture(size.x, size.y, format, None);
+        image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+        self.world().resource_mut::<Assets<Image>>().add(image)
+    }
+
     /// A refining camera at `from` that looks at `to`.
     pub(crate) fn camera(&mut self, from: Vec3, to: Vec3) -> Entity {
-        let target = RenderTarget::from(self.floats.clone());
+        let target = self.floats.clone();
+        let camera = self.plain_camera(&target, from, to);
+        self.world().entity_mut(camera).insert(ProgressiveCamera::default());
+        camera
+    }
+
+    /// A camera that doesn't refine.
+    pub(crate) fn plain_camera(&mut self, target: &Handle<Image>, from: Vec3, to: Vec3) -> Entity {
         self.spawn((
-            ProgressiveCamera::default(),
-            target,
+            Camera3d::default(),
+            Hdr,
+            Msaa::Off,
+            RenderTarget::from(target.clone()),
             Tonemapping::None,
             DebandDither::Disabled,
             // Exposure is 1 / (1.2 * 2^ev100).
@@ -115,6 +136,27 @@ impl Stage {
             .unwrap_or_else(|problem| panic!("{problem}"));
     }
 
+    /// Frames until the lights of the settings shine.
+    pub(crate) fn shine(&mut self, per_frame: u32) {
+        let shines = move |world: &mut World| {
+            let status = world.resource::<EnvironmentStatus>();
+            status.state == EnvironmentState::Ready && status.per_frame == per_frame
+        };
+        self.headless
+            .update_until("lights", Duration::from_secs(60), shines)
+            .unwrap_or_else(|problem| panic!("{problem}"));
+    }
+
+    /// The greatest difference of two pictures, in any channel.
+    pub(crate) fn apart(before: &[Vec3], after: &[Vec3]) -> f32 {
+        assert_eq!(before.len(), after.len());
+        before
+            .iter()
+            .zip(after)
+            .map(|(before, after)| (before - after).abs().max_element())
+            .fold(0.0, f32::max)
+    }
+
     /// Frames until the camera's picture is refined.
     pub(crate) fn refine(&mut self, camera: Entity) {
         self.until("a refined picture", |world| {
@@ -124,9 +166,15 @@ impl Stage {
 
     /// What the camera sees in the next frames, the last of them: linear light, rows from the top.
     pub(crate) fn floats(&mut self) -> Vec<Vec3> {
+        let image = self.floats.clone();
+        self.read(&image, UVec2::splat(SIZE))
+    }
+
+    /// The same of another image whose rows are multiples of 256 bytes.
+    pub(crate) fn read(&mut self, image: &Handle<Image>, size: UVec2) -> Vec<Vec3> {
         let slot = Arc::new(Mutex::new(Vec::new()));
         let filled = slot.clone();
-        let readback = Readback::texture(self.floats.clone());
+        let readback = Readback::texture(image.clone());
         let reader = self
             .world()
             .spawn(readback)
@@ -140,7 +188,7 @@ impl Stage {
         }
         self.world().entity_mut(reader).despawn();
         let bytes = slot.lock().unwrap().clone();
-        assert_eq!(bytes.len(), (SIZE * SIZE * 8) as usize, "no answer of the GPU");
+        assert_eq!(bytes.len(), (size.element_product() * 8) as usize, "no answer of the GPU");
         let half = |bytes: &[u8]| f16::from_le_bytes([bytes[0], bytes[1]]).to_f32();
         bytes
             .chunks_exact(8)

@@ -12,7 +12,7 @@ use bevy::{
 use crate::{changes::Changes, lights::Group, render::Pending};
 
 /// Frames that a still picture has at least, so that edges are smooth.
-const MIN_FRAMES: u32 = 32;
+pub(crate) const MIN_FRAMES: u32 = 32;
 /// Frames that count while the camera moves, at most: what is older was moved by parts of pixels
 /// too often.
 const LONGEST_MOVING: f32 = 512.0;
@@ -20,7 +20,7 @@ const LONGEST_MOVING: f32 = 512.0;
 /// Gives a camera the environment's light, refined from frame to frame.
 ///
 /// The camera draws linear HDR (`Hdr`) with motion vectors and without multisampling; edges become
-/// smooth by moving each frame by a part of a pixel. Temporal antialiasing beside it is of no use.
+/// smooth by moving each frame by a part of a pixel (not with a parallel projection). Temporal antialiasing beside it is of no use.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone)]
 #[require(Camera3d, Hdr, DepthPrepass, MotionVectorPrepass, Refinement, TemporalJitter)]
@@ -197,14 +197,18 @@ pub(crate) fn decide(
             _ => Action::Rest,
         };
         progress.frame = progress.frame.wrapping_add(1);
+        // Bevy 0.19 moves parallel projections by a distance that grows with depth.
+        let is_parallel = camera.clip_from_view().w_axis.w == 1.0;
         let offset = match action {
             Action::Show | Action::Present => Vec2::ZERO,
+            _ if is_parallel => Vec2::ZERO,
             Action::Move => halton(progress.frame % 64) - 0.5,
-            // From the start of the sequence, so that equal scenes give equal pictures. A group that
-            // comes again comes at another place, whatever the number of groups has in common with
-            // the sequence's bases.
+            // Each group has its place in a pixel, so that equal scenes give equal pictures, whenever
+            // they come to rest. A group that comes again comes at another place, whatever the number
+            // of groups has in common with the sequence's bases.
             Action::Rest => {
-                let [round, place] = [progress.still / cycle, progress.still % cycle].map(halton);
+                let at = (group.turn % u64::from(of)) as u32;
+                let [round, place] = [at / cycle, at % cycle].map(halton);
                 (round + place).fract() - 0.5
             }
         };

@@ -35,6 +35,7 @@ mod cascades;
 mod changes;
 mod dots;
 mod environment;
+mod layers;
 mod lights;
 mod relit;
 mod render;
@@ -54,7 +55,7 @@ use bevy::{
 use farlight_core::{FarlightCorePlugin, LightmapSystems};
 
 pub use camera::{ProgressiveCamera, Refinement};
-pub use changes::Disturb;
+pub use changes::{Disturb, WatchMaterial};
 pub use dots::{EnvironmentDots, EnvironmentLights};
 pub use environment::{EnvironmentMap, EnvironmentMapError, EnvironmentMapLoader};
 pub use farlight_environment as environment_maps;
@@ -131,19 +132,7 @@ impl Plugin for IblPlugin {
                     )
                         .chain()
                         .in_set(IblSystems::Shine),
-                    (
-                        changes::notice_meshes,
-                        changes::notice_light,
-                        (
-                            changes::notice_assets::<Mesh>,
-                            changes::notice_assets::<Image>,
-                            changes::notice_assets::<StandardMaterial>,
-                        )
-                            .chain(),
-                        camera::forget,
-                        camera::decide,
-                        screenshot::take,
-                    )
+                    (camera::forget, camera::decide, screenshot::take)
                         .chain()
                         .in_set(IblSystems::Decide),
                     cascades::fit
@@ -158,6 +147,7 @@ impl Plugin for IblPlugin {
             PostUpdate,
             relit::notice.after(LightmapSystems::Notice).before(IblSystems::Decide),
         );
+        changes::build(app);
         render::build(app);
         dots::build(app);
     }

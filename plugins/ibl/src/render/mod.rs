@@ -62,6 +62,7 @@ pub(crate) fn build(app: &mut App) {
     }
     app.add_plugins(ExtractComponentPlugin::<Progress>::default());
     let Some(render_app) = app.get_sub_app_mut(RenderApp) else { return };
+    crate::layers::build(render_app);
     render_app
         .insert_resource(pending)
         .init_resource::<pass::ExtractedChanges>()
