@@ -11,3 +11,4 @@ mod refine;
 mod screenshot;
 mod shadows;
 mod stage;
+mod status;

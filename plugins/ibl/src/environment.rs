@@ -118,7 +118,9 @@ pub(crate) fn choose(
         }
         Some(_) => {}
         None => {
+            // What is being chosen from another map is no longer wanted; the lights before shine on.
             choice.wanted = None;
+            choice.task = None;
             status.state = match server.get_load_state(id) {
                 Some(bevy::asset::LoadState::Failed(error)) => {
                     EnvironmentState::Failed(error.to_string().into())

@@ -14,7 +14,7 @@ use meshes::Seen;
 
 use crate::{IblSystems, camera::decide};
 
-/// Changes that are told apart; more become one that is everywhere.
+/// Changes that are told apart; more are joined with their neighbours.
 pub(crate) const MOST: usize = 16;
 /// Frames of a picture that count on when light changes everywhere: few enough to follow, enough not
 /// to flicker.
@@ -49,12 +49,30 @@ impl Changes {
     }
 
     fn add(&mut self, sphere: Option<(Vec3, f32)>, keep: f32) {
-        if self.all.len() < MOST {
+        let Some((centre, radius)) = sphere else {
+            match self.all.iter_mut().find(|other| other.sphere.is_none()) {
+                Some(other) => other.keep = other.keep.min(keep),
+                None => self.all.push(Disturb { sphere: None, keep }),
+            }
+            return;
+        };
+        if !centre.is_finite() || !radius.is_finite() {
+            self.everywhere();
+            return;
+        }
+        // One place is left for what is everywhere.
+        let spheres = || self.all.iter().filter_map(|other| other.sphere);
+        if spheres().count() + 1 < MOST {
             self.all.push(Disturb { sphere, keep });
-        } else {
-            let keep = self.all.iter().fold(keep, |least, other| least.min(other.keep));
-            self.all.clear();
-            self.all.extend([Disturb { sphere: None, keep }; MOST]);
+            return;
+        }
+        // Joined with the one beside it: where few things move, the rest of a picture is kept.
+        let joined = self.all.iter_mut().filter_map(|other| {
+            let sphere = joined((centre, radius), other.sphere?);
+            Some((sphere, other))
+        });
+        if let Some((sphere, other)) = joined.min_by(|(a, _), (b, _)| a.1.total_cmp(&b.1)) {
+            *other = Disturb { sphere: Some(sphere), keep: keep.min(other.keep) };
         }
     }
 
@@ -65,10 +83,7 @@ impl Changes {
     }
 
     fn everywhere(&mut self) {
-        let known = self.all.iter().any(|all| all.sphere.is_none() && all.keep <= KEEP_LIGHT);
-        if !known {
-            self.add(None, KEEP_LIGHT);
-        }
+        self.add(None, KEEP_LIGHT);
     }
 }
 
@@ -92,6 +107,17 @@ pub(crate) fn build(app: &mut App) {
     light::build(app);
 }
 
+/// A sphere around two.
+fn joined(a: (Vec3, f32), b: (Vec3, f32)) -> (Vec3, f32) {
+    let ((from, small), (to, large)) = if a.1 <= b.1 { (a, b) } else { (b, a) };
+    let apart = from.distance(to);
+    if apart + small <= large {
+        return (to, large);
+    }
+    let radius = 0.5 * (apart + small + large);
+    (to + (from - to) * ((radius - large) / apart), radius)
+}
+
 /// A mesh as its sphere.
 fn sphere(transform: &GlobalTransform, aabb: Option<&Aabb>) -> (Vec3, f32) {
     match aabb {
@@ -100,5 +126,38 @@ fn sphere(transform: &GlobalTransform, aabb: Option<&Aabb>) -> (Vec3, f32) {
             transform.radius_vec3a(aabb.half_extents).max(1e-3),
         ),
         None => (transform.translation(), 1.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_changes_are_joined_where_they_are() {
+        let mut changes = Changes::default();
+        for i in 0..1000 {
+            let side = if i % 2 == 0 { -50.0 } else { 50.0 };
+            let centre = Vec3::new(side, (i % 7) as f32, (i % 5) as f32);
+            changes.add(Some((centre, 0.5)), if i % 3 == 0 { 0.0 } else { KEEP_LIGHT });
+            assert!(changes.all.len() <= MOST);
+            let lies = |change: &Disturb| {
+                change.sphere.is_some_and(|(c, radius)| c.distance(centre) + 0.5 <= radius + 1e-4)
+            };
+            assert!(changes.all.iter().any(lies), "change {i} is in one of them");
+        }
+        let middle =
+            |change: &Disturb| change.sphere.is_some_and(|(c, radius)| c.length() < radius);
+        assert!(!changes.all.iter().any(middle), "nothing changed in the middle");
+        changes.everywhere();
+        assert!(changes.all.iter().any(|change| change.sphere.is_none()));
+    }
+
+    #[test]
+    fn a_place_that_is_no_number_is_everywhere() {
+        let mut changes = Changes::default();
+        changes.add(Some((Vec3::NAN, 1.0)), 0.0);
+        changes.add(Some((Vec3::ZERO, f32::INFINITY)), 0.0);
+        assert!(changes.all.iter().all(|change| change.sphere.is_none()));
     }
 }
