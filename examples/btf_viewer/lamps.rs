@@ -37,8 +37,9 @@ pub fn hang(
 ) {
     let (entity, mut hung, mut transform) = rig.into_inner();
     let Vec2 { x: turn, y: height } = shown.light_direction;
-    *transform = Transform::from_translation(config.0.base_offset.into()).with_rotation(
-        Quat::from_euler(EulerRot::YXZ, turn.to_radians(), -height.to_radians(), 0.0),
+    let rotation = Quat::from_euler(EulerRot::YXZ, turn.to_radians(), -height.to_radians(), 0.0);
+    transform.set_if_neq(
+        Transform::from_translation(config.0.base_offset.into()).with_rotation(rotation),
     );
     let wanted = (shown.light, config.0.light.illuminance);
     if hung.0 == Some(wanted) {

@@ -239,14 +239,18 @@ pub fn place(
         shown.turn = (shown.turn + 20.0 * time.delta_secs()) % 360.0;
     }
     let offset = Vec3::from(config.0.base_offset);
-    **turntable = Transform::from_translation(offset)
-        .with_rotation(Quat::from_rotation_y(shown.turn.to_radians()));
+    // Written only where it is another: what moves isn't refined.
+    turntable.set_if_neq(
+        Transform::from_translation(offset)
+            .with_rotation(Quat::from_rotation_y(shown.turn.to_radians())),
+    );
     let (mut transform, mut visibility) = plinth.into_inner();
     let scale = config.0.base_scale;
     // A little lower than the lowest point, so that cloth that lies flat is not in the same plane.
     let below = stand.0 + (0.5 * PLINTH[1] + 0.006) * scale;
-    *transform =
-        Transform::from_translation(offset - Vec3::Y * below).with_scale(Vec3::splat(scale));
+    transform.set_if_neq(
+        Transform::from_translation(offset - Vec3::Y * below).with_scale(Vec3::splat(scale)),
+    );
     let wanted = if shown.floor { Visibility::Inherited } else { Visibility::Hidden };
     visibility.set_if_neq(wanted);
 }
