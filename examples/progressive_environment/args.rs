@@ -26,7 +26,7 @@ OPTIONS
                         and of the first one:
                           refining.png          1, 5, 20 and 40 frames beside each other
                           sway.png              a frame while the camera sways
-                          dots.png              the lights on the sky, with text, ring and map
+                          dots.png              the lights on the sky, with ring and map
     --out DIR           where the pictures go; made if it is missing
     --turntable N       instead of these: N refined pictures round the scene, 1 to 1000, of the first
                         environment: turn_000.png, ...

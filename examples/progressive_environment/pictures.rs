@@ -12,6 +12,7 @@ use farlight::{
 use super::{
     args::Args,
     headless::{Headless, Picture},
+    hud::Hud,
     orbit::Orbit,
     scene::{self, Loading},
     shown::Shown,
@@ -64,7 +65,7 @@ impl Studio {
 
     /// Waits for the models.
     fn load(&mut self) -> Result<(), String> {
-        self.show_text(false);
+        self.show_ring(false);
         self.headless.update_until("models and material", PATIENCE, |world| {
             let server = world.resource::<AssetServer>();
             let loading = world.resource::<Loading>();
@@ -133,12 +134,14 @@ impl Studio {
         self.world().write_message(Disturb { sphere: None, keep: 0.0 });
     }
 
-    fn show_text(&mut self, shown: bool) {
+    fn show_ring(&mut self, shown: bool) {
         let visible = if shown { Visibility::Inherited } else { Visibility::Hidden };
         let world = self.world();
-        let mut roots = world.query_filtered::<&mut Visibility, (With<Node>, Without<ChildOf>)>();
-        for mut visibility in roots.iter_mut(world) {
-            visibility.set_if_neq(visible);
+        let mut roots =
+            world.query_filtered::<(&mut Visibility, Has<Hud>), (With<Node>, Without<ChildOf>)>();
+        for (mut visibility, is_text) in roots.iter_mut(world) {
+            // The text would hide the sky of a small picture.
+            visibility.set_if_neq(if is_text { Visibility::Hidden } else { visible });
         }
     }
 
@@ -196,17 +199,17 @@ impl Studio {
         self.show(|shown| shown.sway = false)
     }
 
-    /// The lights on the sky, with all that a window shows.
+    /// The lights on the sky, with ring and map.
     fn dots(&mut self, file: &Path) -> Result<(), String> {
         self.look(scene::SKY);
         self.show(|shown| (shown.dots, shown.map) = (true, true))?;
-        self.show_text(true);
+        self.show_ring(true);
         // What is written for the first time brings letters that were not drawn before.
         for _ in 0..12 {
             self.headless.update()?;
         }
         self.next(file)?;
-        self.show_text(false);
+        self.show_ring(false);
         self.look(scene::START);
         self.show(|shown| (shown.dots, shown.map) = (false, false))
     }

@@ -86,10 +86,10 @@ pub fn spawn(
     let gold = Color::srgb(0.93, 0.72, 0.36);
     let white = Color::srgb(0.85, 0.85, 0.83);
     for (i, (color, roughness, metallic)) in [
-        (white, 0.1, 0.0),
-        (gold, 0.2, 1.0),
-        (white, 0.4, 0.0),
-        (gold, 0.5, 1.0),
+        (white, 0.3, 0.0),
+        (gold, 0.4, 1.0),
+        (white, 0.5, 0.0),
+        (gold, 0.6, 1.0),
         (white, 1.0, 0.0),
     ]
     .into_iter()
