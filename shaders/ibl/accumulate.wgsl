@@ -59,19 +59,15 @@ fn drawn_at(pixel: vec2<i32>) -> vec4<f32> {
     return clamp(textureLoad(frame, pixel, 0), vec4(0.0), vec4(65504.0));
 }
 
-// How many frames the kept means stand for: (of what moved along, in all).
-fn kept_frames(frames: f32) -> vec2<f32> {
-    let left = frames * max(0.0, 1.0 - accumulation.still / accumulation.cycle);
-    return vec2(left, left + accumulation.still);
+// How much of what moved along still counts, after so many still frames.
+fn left_of_moved(still: f32) -> f32 {
+    return max(0.0, 1.0 - still / accumulation.cycle);
 }
 
 // Both means as one, in proportion to the frames that they stand for.
 fn both(moved_mean: vec4<f32>, rested_mean: vec3<f32>, still: f32) -> vec3<f32> {
-    let left = moved_mean.a * max(0.0, 1.0 - still / accumulation.cycle);
-    if still <= 0.0 {
-        return moved_mean.rgb;
-    }
-    return mix(moved_mean.rgb, rested_mean, still / (still + left));
+    let left = moved_mean.a * left_of_moved(still);
+    return mix(moved_mean.rgb, rested_mean, still / max(still + left, 1.0));
 }
 
 #ifdef STILL
@@ -118,11 +114,19 @@ fn inside(pixel: vec2<i32>) -> bool {
 // What is kept of a pixel: mean and frames.
 fn kept_at(pixel: vec2<i32>) -> vec4<f32> {
     let mean = textureLoad(moved, pixel, 0);
-    let frames = kept_frames(mean.a).y;
-    if accumulation.still <= 0.0 {
-        return vec4(mean.rgb, frames);
-    }
+#ifdef RESTED
+    let frames = accumulation.still + mean.a * left_of_moved(accumulation.still);
     return vec4(both(mean, textureLoad(rested, pixel, 0).rgb, accumulation.still), frames);
+#else
+    return mean;
+#endif
+}
+
+// The same of the nearest pixel of the viewport.
+fn kept_within(pixel: vec2<i32>) -> vec4<f32> {
+    let low = vec2<i32>(accumulation.viewport.xy);
+    let high = low + vec2<i32>(accumulation.viewport.zw) - 1;
+    return kept_at(clamp(pixel, low, high));
 }
 
 // Weights of four neighbours in a Catmull-Rom spline, at `t` between the second and the third.
@@ -159,6 +163,7 @@ fn kept_between(place: vec2<f32>, expected: f32, tolerance: f32) -> Kept {
     var low = vec3(3.0e38);
     var high = vec3(-3.0e38);
     var whole = true;
+    var corners: array<vec3<f32>, 4>;
     for (var i = 0; i < 4; i++) {
         let step = vec2(i & 1, i >> 1u);
         let pixel = base + step;
@@ -169,6 +174,7 @@ fn kept_between(place: vec2<f32>, expected: f32, tolerance: f32) -> Kept {
         let side = select(1.0 - t, t, step == vec2(1));
         let weight = side.x * side.y;
         let kept = kept_at(pixel);
+        corners[i] = kept.rgb;
         sum += vec4(kept.rgb * weight, kept.a * weight);
         weights += weight;
         low = min(low, kept.rgb);
@@ -179,25 +185,25 @@ fn kept_between(place: vec2<f32>, expected: f32, tolerance: f32) -> Kept {
     }
     var mean = sum.rgb / weights;
     let frames = sum.a / weights;
-    // Sharper where all sixteen neighbours are of the surface: what is moved a hundred times by
-    // parts of pixels would be blurred otherwise.
+    // Sharper where all four are of the surface, by eight more around them (a Catmull-Rom spline
+    // without its corners): what is moved a hundred times by parts of pixels would be blurred
+    // otherwise. What these show can't reach beyond what the four show.
     if whole && any(min(t, 1.0 - t) > vec2(1.0e-3)) {
         let across = catmull_rom(t.x);
         let down = catmull_rom(t.y);
-        var smooth_sum = vec3(0.0);
-        for (var y = 0; y < 4; y++) {
-            for (var x = 0; x < 4; x++) {
-                let pixel = base + vec2(x, y) - 1;
-                if !same_surface(pixel, expected, 2.0 * tolerance) {
-                    whole = false;
-                    continue;
-                }
-                smooth_sum += kept_at(pixel).rgb * (across[x] * down[y]);
+        var smooth_sum = (corners[0] * across[1] + corners[1] * across[2]) * down[1]
+            + (corners[2] * across[1] + corners[3] * across[2]) * down[2];
+        var smooth_weights = (across[1] + across[2]) * (down[1] + down[2]);
+        for (var i = 1; i <= 2; i++) {
+            for (var side = 0; side <= 3; side += 3) {
+                let in_row = across[side] * down[i];
+                let in_column = across[i] * down[side];
+                smooth_sum += kept_within(base + vec2(side, i) - 1).rgb * in_row;
+                smooth_sum += kept_within(base + vec2(i, side) - 1).rgb * in_column;
+                smooth_weights += in_row + in_column;
             }
         }
-        if whole {
-            mean = clamp(smooth_sum, low, high);
-        }
+        mean = clamp(smooth_sum / smooth_weights, low, high);
     }
     return Kept(mean, frames);
 }

@@ -6,15 +6,24 @@ use farlight_shaders::{ComposeError, Definition, MODULES, compose};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Module, ShaderStage};
 
-/// Where the tables of materials are bound, and every set of rules; frames of a still picture.
-fn definitions() -> Vec<Vec<Definition<'static>>> {
-    let rules = ["BTF_HALF_END_SLOPE", "BTF_GUARD_BETA_POLE", "BTF_LINEAR", "STILL", "DEPTH"];
-    (0..1 << rules.len())
+/// Where the tables of materials are bound, and every set of the names that decide something in a
+/// module's folder.
+fn definitions(path: &str) -> Vec<Vec<Definition<'static>>> {
+    let names =
+        ["BTF_HALF_END_SLOPE", "BTF_GUARD_BETA_POLE", "BTF_LINEAR", "STILL", "RESTED", "DEPTH"];
+    let folder = |path: &'static str| path.split_once('/').map_or("", |(folder, _)| folder);
+    let here = path.split_once('/').map_or("", |(folder, _)| folder);
+    let decides = |name: &str| {
+        let source = |module: &farlight_shaders::Module| module.source.contains(name);
+        MODULES.iter().filter(|module| folder(module.path) == here).any(source)
+    };
+    let names: Vec<_> = names.into_iter().filter(|name| decides(name)).collect();
+    (0..1 << names.len())
         .map(|set| {
-            let chosen = (0..rules.len()).filter(|rule| set >> rule & 1 == 1);
+            let chosen = (0..names.len()).filter(|name| set >> name & 1 == 1);
             let mut definitions =
                 vec![Definition::Number("BTF_GROUP", 0), Definition::Number("BTF_TABLES", 1)];
-            definitions.extend(chosen.map(|rule| Definition::Flag(rules[rule])));
+            definitions.extend(chosen.map(|name| Definition::Flag(names[name])));
             definitions
         })
         .collect()
@@ -57,7 +66,7 @@ fn to_hlsl(name: &str, module: &Module, info: &ModuleInfo) {
 #[test]
 fn pure_modules_are_translated_for_every_interface() {
     for shader in MODULES.iter().filter(|module| module.pure) {
-        for definitions in definitions() {
+        for definitions in definitions(shader.path) {
             let name = format!("{} {definitions:?}", shader.path);
             let module = compose(shader.path, &definitions)
                 .unwrap_or_else(|error| panic!("{name}: {error}"));

@@ -14,14 +14,27 @@ use bevy::{ecs::resource::Resource, platform::time::Instant};
 #[must_use]
 pub fn thread_cpu_time() -> Option<Duration> {
     #[cfg(unix)]
-    {
-        let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
-        // SAFETY: `time` is a valid timespec for the call to fill in; nothing else is touched.
-        let result = unsafe { libc::clock_gettime(libc::CLOCK_THREAD_CPUTIME_ID, &raw mut time) };
-        (result == 0).then(|| Duration::new(time.tv_sec as u64, time.tv_nsec as u32))
-    }
+    return clock(libc::CLOCK_THREAD_CPUTIME_ID);
     #[cfg(not(unix))]
     None
+}
+
+/// CPU time that all threads of this process have used; `None` where the system doesn't say. Where
+/// the CPU draws, this is what a frame costs, whatever else the machine does.
+#[must_use]
+pub fn process_cpu_time() -> Option<Duration> {
+    #[cfg(unix)]
+    return clock(libc::CLOCK_PROCESS_CPUTIME_ID);
+    #[cfg(not(unix))]
+    None
+}
+
+#[cfg(unix)]
+fn clock(id: libc::clockid_t) -> Option<Duration> {
+    let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+    // SAFETY: `time` is a valid timespec for the call to fill in; nothing else is touched.
+    let result = unsafe { libc::clock_gettime(id, &raw mut time) };
+    (result == 0).then(|| Duration::new(time.tv_sec as u64, time.tv_nsec as u32))
 }
 
 /// Adds up what systems cost, from whatever thread and world they run in; cloning shares the sums.

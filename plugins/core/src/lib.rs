@@ -25,7 +25,7 @@ mod upload;
 
 use bevy::app::{App, Plugin};
 
-pub use cost::{CostMeter, Measured, thread_cpu_time};
+pub use cost::{CostMeter, Measured, process_cpu_time, thread_cpu_time};
 pub use light::DerivedLight;
 pub use ron_asset::{FieldProblem, RonError, RonLoader, RonPlugin, RonSettings, parse_ron};
 pub use shaders::shader_path;

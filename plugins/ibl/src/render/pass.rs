@@ -35,7 +35,7 @@ pub(crate) struct Pipelines {
     moving: BindGroupLayoutDescriptor,
     resting: BindGroupLayoutDescriptor,
     presenting: BindGroupLayoutDescriptor,
-    made: Vec<(Action, TextureFormat, CachedRenderPipelineId)>,
+    made: Vec<(Kind, TextureFormat, CachedRenderPipelineId)>,
     uniforms: EntityHashMap<Buffer>,
 }
 
@@ -66,6 +66,39 @@ impl FromWorld for Pipelines {
     }
 }
 
+/// Which pipeline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// What is kept moves along.
+    Move,
+    /// The same in the first frame after a rest: two means become one.
+    Leave,
+    Rest,
+    Present,
+}
+
+impl Kind {
+    const ALL: [Self; 4] = [Self::Move, Self::Leave, Self::Rest, Self::Present];
+
+    fn of(step: &Step) -> Option<Self> {
+        match step.action {
+            Action::Show => None,
+            Action::Move if step.still > 0 => Some(Self::Leave),
+            Action::Move => Some(Self::Move),
+            Action::Rest => Some(Self::Rest),
+            Action::Present => Some(Self::Present),
+        }
+    }
+
+    fn definitions(self) -> &'static [&'static str] {
+        match self {
+            Self::Move | Self::Present => &[],
+            Self::Leave => &["RESTED"],
+            Self::Rest => &["STILL"],
+        }
+    }
+}
+
 /// The pipeline of a camera's frame.
 #[derive(Component)]
 pub(crate) struct StepPipeline(CachedRenderPipelineId);
@@ -83,13 +116,14 @@ pub(crate) fn prepare(
     cameras: Query<(Entity, &MainEntity, &Step, &ExtractedView, Option<&ViewPrepassTextures>)>,
 ) {
     for (entity, main, step, view, prepass) in &cameras {
-        if step.action == Action::Show {
+        // All at once: a pipeline that is asked for only when a picture rests would disturb it.
+        let all = Kind::ALL
+            .map(|kind| pipelines.get(kind, view.target_format, &cache, &server, &fullscreen));
+        let Some(kind) = Kind::of(step) else {
             commands.entity(entity).remove::<StepPipeline>();
             continue;
-        }
-        // All at once: a pipeline that is asked for only when a picture rests would disturb it.
-        let [.., id] = [Action::Move, Action::Rest, Action::Present, step.action]
-            .map(|action| pipelines.get(action, view.target_format, &cache, &server, &fullscreen));
+        };
+        let id = all[kind as usize];
         commands.entity(entity).insert(StepPipeline(id));
         let moves = prepass.is_some_and(|prepass| prepass.motion_vectors_view().is_some());
         let accumulation = Accumulation::new(step, moves, &changes.0);
@@ -112,40 +146,39 @@ pub(crate) struct ExtractedChanges(pub(crate) Vec<Changed>);
 impl Pipelines {
     fn get(
         &mut self,
-        action: Action,
+        kind: Kind,
         format: TextureFormat,
         cache: &PipelineCache,
         server: &AssetServer,
         fullscreen: &FullscreenShader,
     ) -> CachedRenderPipelineId {
-        let known = self.made.iter().find(|(a, f, _)| (*a, *f) == (action, format));
+        let known = self.made.iter().find(|(k, f, _)| (*k, *f) == (kind, format));
         if let Some((.., id)) = known {
             return *id;
         }
-        let (layout, module, targets): (_, _, &[TextureFormat]) = match action {
-            Action::Rest => (&self.resting, "accumulate", &[format, MEAN_FORMAT]),
-            Action::Present => (&self.presenting, "present", &[format]),
-            Action::Move | Action::Show => {
+        let (layout, module, targets): (_, _, &[TextureFormat]) = match kind {
+            Kind::Rest => (&self.resting, "accumulate", &[format, MEAN_FORMAT]),
+            Kind::Present => (&self.presenting, "present", &[format]),
+            Kind::Move | Kind::Leave => {
                 (&self.moving, "accumulate", &[format, MEAN_FORMAT, DISTANCE_FORMAT])
             }
         };
         let target = |format: &TextureFormat| {
             Some(ColorTargetState { format: *format, blend: None, write_mask: ColorWrites::ALL })
         };
-        let still = action == Action::Rest;
         let id = cache.queue_render_pipeline(RenderPipelineDescriptor {
-            label: Some(format!("farlight_ibl_{action:?}").into()),
+            label: Some(format!("farlight_ibl_{kind:?}").into()),
             layout: vec![layout.clone()],
             vertex: fullscreen.to_vertex_state(),
             fragment: Some(FragmentState {
                 shader: server.load(shader_path(&format!("ibl/{module}.wgsl"))),
-                shader_defs: if still { vec!["STILL".into()] } else { vec![] },
+                shader_defs: kind.definitions().iter().map(|name| (*name).into()).collect(),
                 targets: targets.iter().map(target).collect(),
                 ..default()
             }),
             ..default()
         });
-        self.made.push((action, format, id));
+        self.made.push((kind, format, id));
         id
     }
 }
