@@ -153,59 +153,61 @@ fn same_surface(pixel: vec2<i32>, expected: f32, tolerance: f32) -> bool {
     return abs(seen - expected) <= tolerance * expected;
 }
 
-// What is kept at a place between pixels, of the surface in `expected` metres.
-fn kept_between(place: vec2<f32>, expected: f32, tolerance: f32) -> Kept {
-    let corner = floor(place - 0.5);
-    let base = vec2<i32>(corner);
-    let t = place - 0.5 - corner;
-    var sum = vec4(0.0);
-    var weights = 0.0;
-    var low = vec3(3.0e38);
-    var high = vec3(-3.0e38);
-    var whole = true;
-    var corners: array<vec3<f32>, 4>;
-    for (var i = 0; i < 4; i++) {
-        let step = vec2(i & 1, i >> 1u);
-        let pixel = base + step;
-        if !same_surface(pixel, expected, tolerance) {
-            whole = false;
-            continue;
-        }
-        let side = select(1.0 - t, t, step == vec2(1));
-        let weight = side.x * side.y;
-        let kept = kept_at(pixel);
-        corners[i] = kept.rgb;
-        sum += vec4(kept.rgb * weight, kept.a * weight);
-        weights += weight;
-        low = min(low, kept.rgb);
-        high = max(high, kept.rgb);
+// One of the four pixels round a place: its mean and frames, weight 0 if it shows another surface.
+struct Corner {
+    kept: vec4<f32>,
+    weight: f32,
+}
+
+fn corner_at(pixel: vec2<i32>, weight: f32, expected: f32, tolerance: f32) -> Corner {
+    if !same_surface(pixel, expected, tolerance) {
+        return Corner(vec4(0.0), 0.0);
     }
+    return Corner(kept_at(pixel), weight);
+}
+
+// What is kept at a place between pixels, of the surface in `expected` metres.
+//
+// No loops and no arrays: drivers that don't unroll them are many times slower.
+fn kept_between(place: vec2<f32>, expected: f32, tolerance: f32) -> Kept {
+    let low_corner = floor(place - 0.5);
+    let base = vec2<i32>(low_corner);
+    let t = place - 0.5 - low_corner;
+    let u = 1.0 - t;
+    let a = corner_at(base, u.x * u.y, expected, tolerance);
+    let b = corner_at(base + vec2(1, 0), t.x * u.y, expected, tolerance);
+    let c = corner_at(base + vec2(0, 1), u.x * t.y, expected, tolerance);
+    let d = corner_at(base + vec2(1, 1), t.x * t.y, expected, tolerance);
+    let weights = a.weight + b.weight + c.weight + d.weight;
     if weights < 1.0e-3 {
         return Kept(vec3(0.0), 0.0);
     }
-    var mean = sum.rgb / weights;
-    let frames = sum.a / weights;
+    let linear = (a.kept * a.weight + b.kept * b.weight + c.kept * c.weight + d.kept * d.weight)
+        / weights;
     // Sharper where all four are of the surface, by eight more around them (a Catmull-Rom spline
     // without its corners): what is moved a hundred times by parts of pixels would be blurred
     // otherwise. What these show can't reach beyond what the four show.
-    if whole && any(min(t, 1.0 - t) > vec2(1.0e-3)) {
-        let across = catmull_rom(t.x);
-        let down = catmull_rom(t.y);
-        var smooth_sum = (corners[0] * across[1] + corners[1] * across[2]) * down[1]
-            + (corners[2] * across[1] + corners[3] * across[2]) * down[2];
-        var smooth_weights = (across[1] + across[2]) * (down[1] + down[2]);
-        for (var i = 1; i <= 2; i++) {
-            for (var side = 0; side <= 3; side += 3) {
-                let in_row = across[side] * down[i];
-                let in_column = across[i] * down[side];
-                smooth_sum += kept_within(base + vec2(side, i) - 1).rgb * in_row;
-                smooth_sum += kept_within(base + vec2(i, side) - 1).rgb * in_column;
-                smooth_weights += in_row + in_column;
-            }
-        }
-        mean = clamp(smooth_sum / smooth_weights, low, high);
+    if weights < 0.9999 || all(min(t, u) < vec2(1.0e-3)) {
+        return Kept(linear.rgb, linear.a);
     }
-    return Kept(mean, frames);
+    let across = catmull_rom(t.x);
+    let down = catmull_rom(t.y);
+    let inner = (a.kept.rgb * across.y + b.kept.rgb * across.z) * down.y
+        + (c.kept.rgb * across.y + d.kept.rgb * across.z) * down.z;
+    let above = kept_within(base + vec2(0, -1)).rgb * across.y
+        + kept_within(base + vec2(1, -1)).rgb * across.z;
+    let below = kept_within(base + vec2(0, 2)).rgb * across.y
+        + kept_within(base + vec2(1, 2)).rgb * across.z;
+    let left = kept_within(base + vec2(-1, 0)).rgb * down.y
+        + kept_within(base + vec2(-1, 1)).rgb * down.z;
+    let right = kept_within(base + vec2(2, 0)).rgb * down.y
+        + kept_within(base + vec2(2, 1)).rgb * down.z;
+    let sum = inner + above * down.x + below * down.w + left * across.x + right * across.w;
+    let middle = (across.y + across.z) * (down.y + down.z);
+    let sides = (across.y + across.z) * (down.x + down.w) + (across.x + across.w) * (down.y + down.z);
+    let low = min(min(a.kept.rgb, b.kept.rgb), min(c.kept.rgb, d.kept.rgb));
+    let high = max(max(a.kept.rgb, b.kept.rgb), max(c.kept.rgb, d.kept.rgb));
+    return Kept(clamp(sum / (middle + sides), low, high), linear.a);
 }
 
 // The most frames that changes leave at a place of the world.

@@ -44,6 +44,8 @@ mod settings;
 mod sky;
 mod skybox;
 mod status;
+#[cfg(test)]
+mod twin;
 mod uniform;
 
 use bevy::{

@@ -12,8 +12,8 @@ use crate::{
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct Changed {
-    sphere: [f32; 4],
-    keep: f32,
+    pub(crate) sphere: [f32; 4],
+    pub(crate) keep: f32,
     pad: [f32; 3],
 }
 
@@ -31,22 +31,22 @@ impl From<&Disturb> for Changed {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Accumulation {
-    world_from_clip: [f32; 16],
+    pub(crate) world_from_clip: [f32; 16],
     clip_from_world: [f32; 16],
-    previous_clip_from_world: [f32; 16],
-    eye: [f32; 4],
-    forward: [f32; 4],
-    previous_eye: [f32; 4],
-    previous_forward: [f32; 4],
-    viewport: [f32; 4],
-    jitter: [f32; 2],
-    still: f32,
-    cycle: f32,
-    longest: f32,
-    scale: f32,
-    flags: u32,
-    change_count: u32,
-    changes: [Changed; MOST],
+    pub(crate) previous_clip_from_world: [f32; 16],
+    pub(crate) eye: [f32; 4],
+    pub(crate) forward: [f32; 4],
+    pub(crate) previous_eye: [f32; 4],
+    pub(crate) previous_forward: [f32; 4],
+    pub(crate) viewport: [f32; 4],
+    pub(crate) jitter: [f32; 2],
+    pub(crate) still: f32,
+    pub(crate) cycle: f32,
+    pub(crate) longest: f32,
+    pub(crate) scale: f32,
+    pub(crate) flags: u32,
+    pub(crate) change_count: u32,
+    pub(crate) changes: [Changed; MOST],
 }
 
 impl Accumulation {
