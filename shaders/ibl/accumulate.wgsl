@@ -141,16 +141,20 @@ fn catmull_rom(t: f32) -> vec4<f32> {
     );
 }
 
-// Whether a kept pixel shows what is `expected` metres away (0: the sky).
-fn same_surface(pixel: vec2<i32>, expected: f32, tolerance: f32) -> bool {
-    if !inside(pixel) {
-        return false;
-    }
+// Distances at which something is seen here and in the pixels beside; far beyond everything where
+// the sky is among it.
+struct Range {
+    near: f32,
+    far: f32,
+}
+
+const SKY: f32 = 1.0e30;
+
+// Whether a kept pixel shows what is in a range: at an edge, both sides of it.
+fn same_surface(pixel: vec2<i32>, range: Range) -> bool {
     let seen = textureLoad(moved_distance, pixel, 0).x;
-    if expected <= 0.0 || seen <= 0.0 {
-        return expected <= 0.0 && seen <= 0.0;
-    }
-    return abs(seen - expected) <= tolerance * expected;
+    let distance = select(seen, SKY, seen <= 0.0);
+    return inside(pixel) && distance >= range.near && distance <= range.far;
 }
 
 // One of the four pixels round a place: its mean and frames, weight 0 if it shows another surface.
@@ -159,25 +163,25 @@ struct Corner {
     weight: f32,
 }
 
-fn corner_at(pixel: vec2<i32>, weight: f32, expected: f32, tolerance: f32) -> Corner {
-    if !same_surface(pixel, expected, tolerance) {
+fn corner_at(pixel: vec2<i32>, weight: f32, range: Range) -> Corner {
+    if !same_surface(pixel, range) {
         return Corner(vec4(0.0), 0.0);
     }
     return Corner(kept_at(pixel), weight);
 }
 
-// What is kept at a place between pixels, of the surface in `expected` metres.
+// What is kept at a place between pixels, of what is in the range.
 //
 // No loops and no arrays: drivers that don't unroll them are many times slower.
-fn kept_between(place: vec2<f32>, expected: f32, tolerance: f32) -> Kept {
+fn kept_between(place: vec2<f32>, range: Range) -> Kept {
     let low_corner = floor(place - 0.5);
     let base = vec2<i32>(low_corner);
     let t = place - 0.5 - low_corner;
     let u = 1.0 - t;
-    let a = corner_at(base, u.x * u.y, expected, tolerance);
-    let b = corner_at(base + vec2(1, 0), t.x * u.y, expected, tolerance);
-    let c = corner_at(base + vec2(0, 1), u.x * t.y, expected, tolerance);
-    let d = corner_at(base + vec2(1, 1), t.x * t.y, expected, tolerance);
+    let a = corner_at(base, u.x * u.y, range);
+    let b = corner_at(base + vec2(1, 0), t.x * u.y, range);
+    let c = corner_at(base + vec2(0, 1), u.x * t.y, range);
+    let d = corner_at(base + vec2(1, 1), t.x * t.y, range);
     let weights = a.weight + b.weight + c.weight + d.weight;
     if weights < 1.0e-3 {
         return Kept(vec3(0.0), 0.0);
@@ -210,14 +214,16 @@ fn kept_between(place: vec2<f32>, expected: f32, tolerance: f32) -> Kept {
     return Kept(clamp(sum / (middle + sides), low, high), linear.a);
 }
 
-// The most frames that changes leave at a place of the world.
-fn frames_left(place: vec3<f32>) -> f32 {
+// The most frames that changes leave at a place of the world, or of the sky.
+fn frames_left(place: vec3<f32>, is_sky: bool) -> f32 {
     var left = accumulation.longest;
     for (var i = 0u; i < accumulation.change_count; i++) {
         let sphere = accumulation.changes[i].sphere;
         let keep = accumulation.changes[i].keep;
         if sphere.w < 0.0 {
             left = min(left, keep);
+        }
+        if sphere.w < 0.0 || is_sky {
             continue;
         }
         // Its shadow and its reflection reach further than it does, but less and less.
@@ -225,6 +231,65 @@ fn frames_left(place: vec3<f32>) -> f32 {
         left = min(left, select(max(keep, 1.0) * radii * radii, keep, radii <= 1.0));
     }
     return max(left, 0.0);
+}
+
+// What was drawn in a pixel and beside it.
+struct Around {
+    // Depths of the pixel itself, and of the nearest and the farthest of the five.
+    here: f32,
+    nearest: f32,
+    farthest: f32,
+    // The nearest one's place beside the pixel.
+    step: vec2<i32>,
+    // By how much distance changes to the pixels beside, as a part of it: the smaller change of
+    // each axis, so that an edge is none. Depth is linear in a plane on the screen.
+    slope: f32,
+}
+
+fn depth_beside(pixel: vec2<i32>, step: vec2<i32>) -> f32 {
+    let low = vec2<i32>(accumulation.viewport.xy);
+    let high = low + vec2<i32>(accumulation.viewport.zw) - 1;
+    return textureLoad(depth, clamp(pixel + step, low, high), 0);
+}
+
+fn around(pixel: vec2<i32>) -> Around {
+    let here = textureLoad(depth, pixel, 0);
+    let left = depth_beside(pixel, vec2(-1, 0));
+    let right = depth_beside(pixel, vec2(1, 0));
+    let above = depth_beside(pixel, vec2(0, -1));
+    let below = depth_beside(pixel, vec2(0, 1));
+    let nearest = max(here, max(max(left, right), max(above, below)));
+    let farthest = min(here, min(min(left, right), min(above, below)));
+    var step = vec2(0, 0);
+    step = select(step, vec2(-1, 0), left > here && left == nearest);
+    step = select(step, vec2(1, 0), right > here && right == nearest);
+    step = select(step, vec2(0, -1), above > here && above == nearest);
+    step = select(step, vec2(0, 1), below > here && below == nearest);
+    let across = min(abs(left - here), abs(right - here));
+    let down = min(abs(above - here), abs(below - here));
+    return Around(here, nearest, farthest, step, (across + down) / max(here, 1.0e-9));
+}
+
+// Where the middle of a pixel lies, without jitter.
+fn uv_of(pixel: vec2<i32>) -> vec2<f32> {
+    let middle = vec2<f32>(pixel) + 0.5 - accumulation.viewport.xy;
+    return (middle + accumulation.jitter) / accumulation.viewport.zw;
+}
+
+// A place of the world in homogeneous coordinates: the sky is infinitely far.
+fn world_at(uv: vec2<f32>, depth_there: f32) -> vec4<f32> {
+    let ndc = vec2(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0);
+    return accumulation.world_from_clip * vec4(ndc, depth_there, 1.0);
+}
+
+// How far from the camera's place before something is.
+fn distance_before(uv: vec2<f32>, depth_there: f32) -> f32 {
+    if depth_there <= 0.0 {
+        return SKY;
+    }
+    let world = world_at(uv, depth_there);
+    let place = world.xyz / world.w;
+    return dot(place - accumulation.previous_eye.xyz, accumulation.previous_forward.xyz);
 }
 
 fn to_uv(clip: vec4<f32>) -> vec2<f32> {
@@ -235,52 +300,40 @@ fn to_uv(clip: vec4<f32>) -> vec2<f32> {
 fn fragment(@builtin(position) position: vec4<f32>) -> Output {
     let pixel = vec2<i32>(position.xy);
     let drawn = drawn_at(pixel);
-    let origin = accumulation.viewport.xy;
     let size = accumulation.viewport.zw;
 
-    // The surface that was drawn, in homogeneous coordinates: the sky is infinitely far.
-    let uv = (position.xy - origin + accumulation.jitter) / size;
-    let ndc = vec2(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0);
-    let depth_here = textureLoad(depth, pixel, 0);
-    let world = accumulation.world_from_clip * vec4(ndc, depth_here, 1.0);
-    let is_sky = depth_here <= 0.0;
+    let seen = around(pixel);
+    let uv = uv_of(pixel);
+    let world = world_at(uv, seen.here);
+    let is_sky = seen.here <= 0.0;
     let place = world.xyz / select(world.w, 1.0, is_sky);
-    var distance_here = 0.0;
-    var expected = 0.0;
-    if !is_sky {
-        distance_here = dot(place - accumulation.eye.xyz, accumulation.forward.xyz);
-        expected = dot(place - accumulation.previous_eye.xyz, accumulation.previous_forward.xyz);
-    }
+    let away = dot(place - accumulation.eye.xyz, accumulation.forward.xyz);
+    let distance_here = select(away, 0.0, is_sky);
 
+    // All of an edge moves along with what is nearest in it.
+    let nearest_pixel = pixel + seen.step;
+    let nearest_uv = uv_of(nearest_pixel);
+    let before = accumulation.previous_clip_from_world * world_at(nearest_uv, seen.nearest);
     var frames = 0.0;
     var mean = vec3(0.0);
-    let before = accumulation.previous_clip_from_world * world;
     if (accumulation.flags & 1u) == 0u && before.w != 0.0 {
         // By the camera's motion alone, exactly; or by what the surface says if that is another.
-        var step = uv - to_uv(before);
-        var tolerance = 0.02;
+        var step = nearest_uv - to_uv(before);
+        // What was kept was seen up to a pixel beside.
+        var tolerance = min(0.02 + seen.slope, 0.3);
         if (accumulation.flags & 2u) != 0u {
-            let told = textureLoad(motion, pixel, 0).xy;
+            let told = textureLoad(motion, nearest_pixel, 0).xy;
             let apart = abs(told - step) * size;
             if max(apart.x, apart.y) > 0.25 {
                 step = told;
-                tolerance = 0.2;
+                tolerance = max(tolerance, 0.2);
             }
         }
-        let from_place = position.xy - step * size;
-        let kept = kept_between(from_place, expected, tolerance);
-        frames = kept.frames;
+        let near = distance_before(uv, seen.nearest) * (1.0 - tolerance);
+        let far = distance_before(uv, seen.farthest) * (1.0 + tolerance);
+        let kept = kept_between(position.xy - step * size, Range(near, far));
+        frames = min(kept.frames, frames_left(place, is_sky));
         mean = kept.mean * accumulation.scale;
-        if is_sky {
-            frames = min(frames, accumulation.longest);
-            for (var i = 0u; i < accumulation.change_count; i++) {
-                if accumulation.changes[i].sphere.w < 0.0 {
-                    frames = min(frames, accumulation.changes[i].keep);
-                }
-            }
-        } else {
-            frames = min(frames, frames_left(place));
-        }
     }
     mean += (drawn.rgb - mean) / (frames + 1.0);
 

@@ -6,6 +6,7 @@ mod support;
 mod backdrop;
 mod cameras;
 mod changes;
+mod motion;
 mod own_lights;
 mod refine;
 mod screenshot;

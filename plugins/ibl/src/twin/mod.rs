@@ -50,40 +50,95 @@ fn rest(a: &Accumulation, input: &Input, pixel: IVec2) -> Output {
 /// A frame of a picture that moves along.
 fn step(a: &Accumulation, input: &Input, pixel: IVec2) -> Output {
     let drawn = clamped(input.frame.at(pixel));
-    let [x, y, width, height] = a.viewport;
-    let (origin, size) = (Vec2::new(x, y), Vec2::new(width, height));
-    let position = pixel.as_vec2() + 0.5;
-    let uv = (position - origin + Vec2::from(a.jitter)) / size;
-    let ndc = Vec2::new(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0);
-    let depth = input.depth.at(pixel);
-    let world = Mat4::from_cols_array(&a.world_from_clip) * Vec4::new(ndc.x, ndc.y, depth, 1.0);
-    let is_sky = depth <= 0.0;
-    let place = world.xyz() / if is_sky { 1.0 } else { world.w };
-    let along = |eye: [f32; 4], forward: [f32; 4]| {
-        (place - Vec4::from(eye).xyz()).dot(Vec4::from(forward).xyz())
-    };
-    let (mut distance, mut expected) = (0.0, 0.0);
-    if !is_sky {
-        distance = along(a.eye, a.forward);
-        expected = along(a.previous_eye, a.previous_forward);
-    }
+    let size = Vec4::from(a.viewport).zw();
+    let seen = around(a, input, pixel);
+    let is_sky = seen.here <= 0.0;
+    let place = (!is_sky).then(|| place_at(a, uv_of(a, pixel), seen.here));
+    let distance = place.map_or(0.0, |place| along(place, a.eye, a.forward));
+
+    // All of an edge moves along with what is nearest in it.
+    let nearest = pixel + seen.step;
+    let uv = uv_of(a, nearest);
+    let previous = Mat4::from_cols_array(&a.previous_clip_from_world);
+    let before = previous * world_at(a, uv, seen.nearest);
     let (mut frames, mut mean) = (0.0, Vec3::ZERO);
-    let before = Mat4::from_cols_array(&a.previous_clip_from_world) * world;
     if a.flags & 1 == 0 && before.w != 0.0 {
         let before = before.xy() / before.w * Vec2::new(0.5, -0.5) + 0.5;
-        let (mut step, mut tolerance) = (uv - before, 0.02);
+        let (mut step, mut tolerance) = (uv - before, (0.02 + seen.slope).min(0.3));
         if a.flags & 2 != 0 {
-            let told = input.motion.at(pixel);
+            let told = input.motion.at(nearest);
             if ((told - step).abs() * size).max_element() > 0.25 {
-                (step, tolerance) = (told, 0.2);
+                (step, tolerance) = (told, tolerance.max(0.2));
             }
         }
-        let kept = kept_between(a, input, position - step * size, expected, tolerance);
+        let before = |depth: f32| match depth {
+            d if d <= 0.0 => SKY,
+            d => along(place_at(a, uv_of(a, pixel), d), a.previous_eye, a.previous_forward),
+        };
+        let range =
+            [before(seen.nearest) * (1.0 - tolerance), before(seen.farthest) * (1.0 + tolerance)];
+        let kept = kept_between(a, input, pixel.as_vec2() + 0.5 - step * size, range);
         mean = kept.xyz() * a.scale;
-        frames = kept.w.min(frames_left(a, (!is_sky).then_some(place)));
+        frames = kept.w.min(frames_left(a, place));
     }
     mean += (drawn.xyz() - mean) / (frames + 1.0);
     Output { colour: mean.extend(drawn.w), mean: mean.extend(frames + 1.0), distance }
+}
+
+/// The distance of the sky.
+const SKY: f32 = 1e30;
+
+/// What was drawn in a pixel and beside it: depths, the nearest one's place, the change of distance
+/// from pixel to pixel as a part of it.
+struct Around {
+    here: f32,
+    nearest: f32,
+    farthest: f32,
+    step: IVec2,
+    slope: f32,
+}
+
+fn around(a: &Accumulation, input: &Input, pixel: IVec2) -> Around {
+    let (low, high) = inside(a);
+    let here = input.depth.at(pixel);
+    let steps = [IVec2::NEG_X, IVec2::X, IVec2::NEG_Y, IVec2::Y];
+    let beside = steps.map(|step| input.depth.at((pixel + step).clamp(low, high)));
+    let nearest = beside.into_iter().fold(here, f32::max);
+    let last = steps.iter().zip(beside).rfind(|(_, depth)| *depth > here && *depth == nearest);
+    let change = |i: usize| (beside[i] - here).abs().min((beside[i + 1] - here).abs());
+    Around {
+        here,
+        nearest,
+        farthest: beside.into_iter().fold(here, f32::min),
+        step: last.map_or(IVec2::ZERO, |(step, _)| *step),
+        slope: (change(0) + change(2)) / here.max(1e-9),
+    }
+}
+
+/// First and last pixel of the viewport.
+fn inside(a: &Accumulation) -> (IVec2, IVec2) {
+    let [x, y, width, height] = a.viewport.map(|v| v as i32);
+    (IVec2::new(x, y), IVec2::new(x + width, y + height) - 1)
+}
+
+/// Where the middle of a pixel lies, without jitter.
+fn uv_of(a: &Accumulation, pixel: IVec2) -> Vec2 {
+    let viewport = Vec4::from(a.viewport);
+    (pixel.as_vec2() + 0.5 - viewport.xy() + Vec2::from(a.jitter)) / viewport.zw()
+}
+
+fn world_at(a: &Accumulation, uv: Vec2, depth: f32) -> Vec4 {
+    let ndc = Vec4::new(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0, depth, 1.0);
+    Mat4::from_cols_array(&a.world_from_clip) * ndc
+}
+
+fn place_at(a: &Accumulation, uv: Vec2, depth: f32) -> Vec3 {
+    let world = world_at(a, uv, depth);
+    world.xyz() / world.w
+}
+
+fn along(place: Vec3, eye: [f32; 4], forward: [f32; 4]) -> f32 {
+    (place - Vec4::from(eye).xyz()).dot(Vec4::from(forward).xyz())
 }
 
 fn clamped(drawn: Vec4) -> Vec4 {
@@ -108,7 +163,7 @@ fn kept_at(a: &Accumulation, input: &Input, pixel: IVec2) -> Vec4 {
     both(a, mean, input.rested.at(pixel).xyz(), a.still).extend(frames)
 }
 
-/// The mean of what changes leave at a place, or of the sky.
+/// The most frames that changes leave at a place, or of the sky.
 fn frames_left(a: &Accumulation, place: Option<Vec3>) -> f32 {
     let mut left = a.longest;
     for change in &a.changes[..a.change_count as usize] {
@@ -124,15 +179,8 @@ fn frames_left(a: &Accumulation, place: Option<Vec3>) -> f32 {
 }
 
 /// Mean and frames at a place between pixels; nothing where another surface was seen.
-fn kept_between(
-    a: &Accumulation,
-    input: &Input,
-    place: Vec2,
-    expected: f32,
-    tolerance: f32,
-) -> Vec4 {
-    let [x, y, width, height] = a.viewport.map(|v| v as i32);
-    let (low, high) = (IVec2::new(x, y), IVec2::new(x + width, y + height) - 1);
+fn kept_between(a: &Accumulation, input: &Input, place: Vec2, [near, far]: [f32; 2]) -> Vec4 {
+    let (low, high) = inside(a);
     let base = (place - 0.5).floor();
     let t = place - 0.5 - base;
     let base = base.as_ivec2();
@@ -141,10 +189,8 @@ fn kept_between(
             return false;
         }
         let seen = input.distance.at(pixel);
-        if expected <= 0.0 || seen <= 0.0 {
-            return expected <= 0.0 && seen <= 0.0;
-        }
-        (seen - expected).abs() <= tolerance * expected
+        let distance = if seen <= 0.0 { SKY } else { seen };
+        (near..=far).contains(&distance)
     };
     let (mut sum, mut weights) = (Vec4::ZERO, 0.0);
     let (mut least, mut most) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
