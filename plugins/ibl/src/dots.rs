@@ -35,7 +35,7 @@ use farlight_environment::EnvironmentLight;
 use crate::{
     ProgressiveLighting,
     camera::{Action, Step},
-    environment::Lights,
+    groups::Arranged,
     lights::Group,
     render::{Histories, refine},
 };
@@ -72,7 +72,7 @@ impl ExtractComponent for EnvironmentDots {
 /// The lights that stand for the environment, for those who draw or count them.
 #[derive(SystemParam)]
 pub struct EnvironmentLights<'w> {
-    set: Res<'w, Lights>,
+    arranged: Res<'w, Arranged>,
     group: Res<'w, Group>,
 }
 
@@ -80,19 +80,19 @@ impl EnvironmentLights<'_> {
     /// All of them: directions in the map's frame, irradiance in the map's unit.
     #[must_use]
     pub fn all(&self) -> &[EnvironmentLight] {
-        &self.set.0
+        self.arranged.lights()
     }
 
     /// Whether others were chosen since this system ran last.
     #[must_use]
     pub fn are_others(&self) -> bool {
-        self.set.is_changed()
+        self.arranged.is_changed()
     }
 
     /// Which of them shine in the frame that was drawn last.
     #[must_use]
     pub fn shining(&self) -> Range<usize> {
-        if self.group.cycle > 0 { self.group.range(self.set.0.len()) } else { 0..0 }
+        if self.group.cycle > 0 { self.group.range(self.arranged.lights().len()) } else { 0..0 }
     }
 }
 
@@ -109,8 +109,8 @@ fn extract(
     settings: Extract<Res<ProgressiveLighting>>,
     mut shown: ResMut<Shown>,
 ) {
-    if !Arc::ptr_eq(&shown.lights, &lights.set.0) {
-        shown.lights = lights.set.0.clone();
+    if !Arc::ptr_eq(&shown.lights, lights.arranged.lights()) {
+        shown.lights = lights.arranged.lights().clone();
     }
     shown.shining = lights.shining();
     shown.rotation = settings.rotation;

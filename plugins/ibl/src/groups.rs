@@ -28,14 +28,20 @@ pub(crate) struct Arranged {
 }
 
 impl Arranged {
-    /// The lights of a set, group after group; `cycle` is the number of groups, of which each has
-    /// the places from `i * lights / cycle` on.
-    pub(crate) fn of(&mut self, set: &Arc<[EnvironmentLight]>, cycle: usize) -> &[EnvironmentLight] {
-        let known = self.from.as_ref().is_some_and(|(of, n)| Arc::ptr_eq(of, set) && *n == cycle);
-        if !known {
-            self.lights = arrange(set, cycle).into();
-            self.from = Some((set.clone(), cycle));
-        }
+    /// Whether the lights of this set, in so many groups, are what was arranged last.
+    pub(crate) fn is_of(&self, set: &Arc<[EnvironmentLight]>, cycle: usize) -> bool {
+        self.from.as_ref().is_some_and(|(of, n)| Arc::ptr_eq(of, set) && *n == cycle)
+    }
+
+    /// Arranges the lights of a set; `cycle` is the number of groups, of which each has the places
+    /// from `i * lights / cycle` on.
+    pub(crate) fn arrange(&mut self, set: &Arc<[EnvironmentLight]>, cycle: usize) {
+        self.lights = arrange(set, cycle).into();
+        self.from = Some((set.clone(), cycle));
+    }
+
+    /// The lights as they were arranged last.
+    pub(crate) fn lights(&self) -> &Arc<[EnvironmentLight]> {
         &self.lights
     }
 }
@@ -46,7 +52,8 @@ fn arrange(set: &[EnvironmentLight], cycle: usize) -> Vec<EnvironmentLight> {
     }
     let shares = shares(set);
     let edge = |group: usize| group * set.len() / cycle;
-    let mut members: Vec<Vec<usize>> = (0..cycle).map(|g| (edge(g)..edge(g + 1)).collect()).collect();
+    let mut members: Vec<Vec<usize>> =
+        (0..cycle).map(|g| (edge(g)..edge(g + 1)).collect()).collect();
     // What each group has too much: its share of the whole is as large as its number of lights.
     let mut excess: Vec<Share> = members
         .iter()
@@ -172,15 +179,23 @@ mod tests {
         for (count, cycle) in [(200, 40), (203, 41), (64, 8), (7, 3), (5, 5), (1, 1)] {
             let set: Arc<[_]> = sky().lights(&LightRequest { count, ..default() }).into();
             let mut arranged = Arranged::default();
-            let lights = arranged.of(&set, cycle).to_vec();
-            let key = |l: &EnvironmentLight| (l.direction.to_array().map(f32::to_bits), l.irradiance.x.to_bits());
+            arranged.arrange(&set, cycle);
+            assert!(arranged.is_of(&set, cycle) && !arranged.is_of(&set, cycle + 1));
+            let lights = arranged.lights();
+            let key = |l: &EnvironmentLight| {
+                (l.direction.to_array().map(f32::to_bits), l.irradiance.x.to_bits())
+            };
             let mut all: Vec<_> = lights.iter().map(key).collect();
             let mut expected: Vec<_> = set.iter().map(key).collect();
             all.sort_unstable();
             expected.sort_unstable();
             assert_eq!(all, expected);
-            let (before, after) = (unevenness(&set, cycle), unevenness(&lights, cycle));
-            println!("{count} lights in {cycle} groups: {:.3} from {:.3}", after.sqrt(), before.sqrt());
+            let (before, after) = (unevenness(&set, cycle), unevenness(lights, cycle));
+            println!(
+                "{count} lights in {cycle} groups: {:.3} from {:.3}",
+                after.sqrt(),
+                before.sqrt()
+            );
             assert!(after <= before, "{count} {cycle}");
             if count == 200 {
                 assert!(after < 0.5 * before, "{before} {after}");

@@ -35,6 +35,7 @@ mod cascades;
 mod changes;
 mod dots;
 mod environment;
+mod groups;
 mod layers;
 mod lights;
 mod relit;
@@ -102,6 +103,7 @@ impl Plugin for IblPlugin {
             .init_resource::<EnvironmentStatus>()
             .init_resource::<environment::Lights>()
             .init_resource::<environment::Choice>()
+            .init_resource::<groups::Arranged>()
             .init_resource::<lights::Group>()
             .init_resource::<skybox::Cubes>()
             .init_resource::<changes::Changes>()

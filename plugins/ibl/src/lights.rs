@@ -20,6 +20,7 @@ use crate::camera::MIN_FRAMES;
 use crate::{
     ProgressiveCamera, ProgressiveLighting,
     environment::Lights,
+    groups::Arranged,
     settings::{LIGHTS, PER_FRAME},
     status::EnvironmentStatus,
 };
@@ -105,6 +106,7 @@ pub(crate) fn shine(
     settings: Res<ProgressiveLighting>,
     set: Res<Lights>,
     mut group: ResMut<Group>,
+    mut arranged: ResMut<Arranged>,
     mut status: ResMut<EnvironmentStatus>,
     own: OwnLights,
     cameras: Query<(&Camera, &ProgressiveCamera, Option<&RenderLayers>)>,
@@ -161,6 +163,9 @@ pub(crate) fn shine(
     for mut visibility in &mut visibility.p1() {
         visibility.set_if_neq(shown);
     }
+    if !arranged.is_of(&set.0, cycle as usize) {
+        arranged.arrange(&set.0, cycle as usize);
+    }
     let mut there = 0;
     for (entity, mut place, mut light, mut transform, mut light_layers) in &mut lights {
         there += 1;
@@ -175,7 +180,7 @@ pub(crate) fn shine(
             continue;
         };
         place.light = from;
-        let one = &set.0[from];
+        let one = &arranged.lights()[from];
         let irradiance = one.irradiance * (settings.brightness.max(0.0) * cycle as f32);
         let strongest = irradiance.max_element();
         let tint = if strongest > 0.0 { irradiance / strongest } else { Vec3::ONE };
