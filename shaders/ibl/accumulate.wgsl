@@ -48,7 +48,8 @@ struct Accumulation {
 // Mean since everything is still.
 @group(0) @binding(3) var rested: texture_2d<f32>;
 #ifndef STILL
-// Distance of what `moved` shows, in metres along the view; 0 is the sky.
+// Distance of what `moved` shows, in metres along the view; 0 is the sky. Negative at an edge, where
+// the mean is of both sides.
 @group(0) @binding(4) var moved_distance: texture_2d<f32>;
 @group(0) @binding(5) var depth: texture_depth_2d;
 @group(0) @binding(6) var motion: texture_2d<f32>;
@@ -150,44 +151,59 @@ struct Range {
 
 const SKY: f32 = 1.0e30;
 
-// Whether a kept pixel shows what is in a range: at an edge, both sides of it.
-fn same_surface(pixel: vec2<i32>, range: Range) -> bool {
-    let seen = textureLoad(moved_distance, pixel, 0).x;
-    let distance = select(seen, SKY, seen <= 0.0);
-    return inside(pixel) && distance >= range.near && distance <= range.far;
-}
+// Where there is no edge, a mean of both sides of one counts as so many frames, and so little beside
+// what is of one side.
+const LEFT_OF_EDGE: f32 = 0.1;
+const EDGE_WEIGHT: f32 = 0.01;
+// Frames that count of an edge: every one moves it by a part of a pixel, and blurs it.
+const LONGEST_EDGE: f32 = 12.0;
+// Frames that count where something moved, a radius beside it: shadows must follow.
+const LONGEST_BESIDE: f32 = 3.0;
 
 // One of the four pixels round a place: its mean and frames, weight 0 if it shows another surface.
 struct Corner {
     kept: vec4<f32>,
     weight: f32,
+    // The weight, if it was at an edge.
+    edge: f32,
 }
 
-fn corner_at(pixel: vec2<i32>, weight: f32, range: Range) -> Corner {
-    if !same_surface(pixel, range) {
-        return Corner(vec4(0.0), 0.0);
+fn corner_at(pixel: vec2<i32>, bilinear: f32, range: Range, is_edge: bool) -> Corner {
+    // Whether it shows what is in the range: at an edge, both sides of it.
+    let seen = textureLoad(moved_distance, pixel, 0).x;
+    let distance = select(abs(seen), SKY, seen == 0.0);
+    if !inside(pixel) || distance < range.near || distance > range.far {
+        return Corner(vec4(0.0), 0.0, 0.0);
     }
-    return Corner(kept_at(pixel), weight);
+    let was_edge = seen < 0.0;
+    let weight = bilinear * select(1.0, EDGE_WEIGHT, was_edge && !is_edge);
+    return Corner(kept_at(pixel), weight, select(0.0, weight, was_edge));
 }
 
 // What is kept at a place between pixels, of what is in the range.
 //
 // No loops and no arrays: drivers that don't unroll them are many times slower.
-fn kept_between(place: vec2<f32>, range: Range) -> Kept {
+fn kept_between(place: vec2<f32>, range: Range, is_edge: bool) -> Kept {
     let low_corner = floor(place - 0.5);
     let base = vec2<i32>(low_corner);
     let t = place - 0.5 - low_corner;
     let u = 1.0 - t;
-    let a = corner_at(base, u.x * u.y, range);
-    let b = corner_at(base + vec2(1, 0), t.x * u.y, range);
-    let c = corner_at(base + vec2(0, 1), u.x * t.y, range);
-    let d = corner_at(base + vec2(1, 1), t.x * t.y, range);
+    let a = corner_at(base, u.x * u.y, range, is_edge);
+    let b = corner_at(base + vec2(1, 0), t.x * u.y, range, is_edge);
+    let c = corner_at(base + vec2(0, 1), u.x * t.y, range, is_edge);
+    let d = corner_at(base + vec2(1, 1), t.x * t.y, range, is_edge);
     let weights = a.weight + b.weight + c.weight + d.weight;
     if weights < 1.0e-3 {
         return Kept(vec3(0.0), 0.0);
     }
-    let linear = (a.kept * a.weight + b.kept * b.weight + c.kept * c.weight + d.kept * d.weight)
+    var linear = (a.kept * a.weight + b.kept * b.weight + c.kept * c.weight + d.kept * d.weight)
         / weights;
+    if !is_edge {
+        let mixed = (a.edge + b.edge + c.edge + d.edge) / weights;
+        linear.a = mix(linear.a, min(linear.a, LEFT_OF_EDGE), mixed);
+    } else {
+        linear.a = min(linear.a, LONGEST_EDGE);
+    }
     // Sharper where all four are of the surface, by eight more around them (a Catmull-Rom spline
     // without its corners): what is moved a hundred times by parts of pixels would be blurred
     // otherwise. What these show can't reach beyond what the four show.
@@ -228,7 +244,8 @@ fn frames_left(place: vec3<f32>, is_sky: bool) -> f32 {
         }
         // Its shadow and its reflection reach further than it does, but less and less.
         let radii = distance(place, sphere.xyz) / max(sphere.w, 1.0e-6);
-        left = min(left, select(max(keep, 1.0) * radii * radii, keep, radii <= 1.0));
+        let beside = clamp(keep, 1.0, LONGEST_BESIDE) * radii * radii;
+        left = min(left, select(beside, keep, radii <= 1.0));
     }
     return max(left, 0.0);
 }
@@ -308,7 +325,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Output {
     let is_sky = seen.here <= 0.0;
     let place = world.xyz / select(world.w, 1.0, is_sky);
     let away = dot(place - accumulation.eye.xyz, accumulation.forward.xyz);
-    let distance_here = select(away, 0.0, is_sky);
+    let is_edge = seen.nearest > seen.farthest * (1.1 + 4.0 * seen.slope);
 
     // All of an edge moves along with what is nearest in it.
     let nearest_pixel = pixel + seen.step;
@@ -331,7 +348,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Output {
         }
         let near = distance_before(uv, seen.nearest) * (1.0 - tolerance);
         let far = distance_before(uv, seen.farthest) * (1.0 + tolerance);
-        let kept = kept_between(position.xy - step * size, Range(near, far));
+        let kept = kept_between(position.xy - step * size, Range(near, far), is_edge);
         frames = min(kept.frames, frames_left(place, is_sky));
         mean = kept.mean * accumulation.scale;
     }
@@ -339,7 +356,8 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Output {
 
     var output: Output;
     output.moved = vec4(mean, frames + 1.0);
-    output.distance = distance_here;
+    let distance_here = select(away, select(0.0, SKY, is_edge), is_sky);
+    output.distance = select(distance_here, -distance_here, is_edge);
     output.colour = vec4(mean, drawn.a);
     return output;
 }

@@ -13,7 +13,8 @@ struct Dots {
 }
 
 @group(0) @binding(0) var<uniform> dots: Dots;
-// What hides dots: distance of the kept picture or depth of the frame; 0 is the sky in both.
+// What hides dots: distance of the kept picture (see `accumulate.wgsl`) or depth of the frame; 0 is
+// the sky in both.
 #ifdef DEPTH
 @group(0) @binding(1) var surface: texture_depth_2d;
 #else
@@ -58,7 +59,8 @@ fn fragment(corner: Corner) -> @location(0) vec4<f32> {
 #ifdef DEPTH
     let hidden = textureLoad(surface, pixel, 0) > 0.0;
 #else
-    let hidden = textureLoad(surface, pixel, 0).x > 0.0;
+    let distance = abs(textureLoad(surface, pixel, 0).x);
+    let hidden = distance > 0.0 && distance < 1.0e29;
 #endif
     let from_middle = length(corner.place);
     let width = max(fwidth(from_middle), 1.0e-3);

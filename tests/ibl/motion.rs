@@ -125,7 +125,7 @@ fn brightness_never_jumps() {
     println!("{} frames: brightness {low:.4} to {high:.4}, largest step {steps:.4}", means.len());
     assert!(means.len() > 80, "the camera was read");
     // Other places of the head see another part of the scene.
-    assert!(low > 0.97 && high < 1.03 && steps < 0.01, "{means:?}");
+    assert!(low > 0.97 && high < 1.03 && steps < 0.015, "{means:?}");
 }
 
 #[test]

@@ -110,6 +110,8 @@ pub(super) fn notice_meshes(
         if known == Some(&now) {
             continue;
         }
+        // What is kept of a mesh moves along with it; of what appears, nothing is kept.
+        let moves = known.is_some_and(|before| before.visible && before.mesh == now.mesh);
         // The places that it leaves, and those that it shadowed.
         let left = known
             .filter(|before| before.visible && (before.sphere != now.sphere || !now.visible))
@@ -118,7 +120,7 @@ pub(super) fn notice_meshes(
             changes.add(Some(left), KEEP_LIGHT);
         }
         if now.visible {
-            changes.add(Some(now.sphere), 0.0);
+            changes.add(Some(now.sphere), if moves { KEEP_LIGHT } else { 0.0 });
         }
         changes.known.insert(entity, now);
     }

@@ -54,7 +54,13 @@ fn step(a: &Accumulation, input: &Input, pixel: IVec2) -> Output {
     let seen = around(a, input, pixel);
     let is_sky = seen.here <= 0.0;
     let place = (!is_sky).then(|| place_at(a, uv_of(a, pixel), seen.here));
-    let distance = place.map_or(0.0, |place| along(place, a.eye, a.forward));
+    let is_edge = seen.nearest > seen.farthest * (1.1 + 4.0 * seen.slope);
+    let distance = match (place, is_edge) {
+        (Some(place), false) => along(place, a.eye, a.forward),
+        (Some(place), true) => -along(place, a.eye, a.forward),
+        (None, false) => 0.0,
+        (None, true) => -SKY,
+    };
 
     // All of an edge moves along with what is nearest in it.
     let nearest = pixel + seen.step;
@@ -77,7 +83,7 @@ fn step(a: &Accumulation, input: &Input, pixel: IVec2) -> Output {
         };
         let range =
             [before(seen.nearest) * (1.0 - tolerance), before(seen.farthest) * (1.0 + tolerance)];
-        let kept = kept_between(a, input, pixel.as_vec2() + 0.5 - step * size, range);
+        let kept = kept_between(a, input, pixel.as_vec2() + 0.5 - step * size, range, is_edge);
         mean = kept.xyz() * a.scale;
         frames = kept.w.min(frames_left(a, place));
     }
@@ -87,6 +93,13 @@ fn step(a: &Accumulation, input: &Input, pixel: IVec2) -> Output {
 
 /// The distance of the sky.
 const SKY: f32 = 1e30;
+/// Where there is no edge, a mean of both sides of one counts as so many frames, and so little beside
+/// what is of one side.
+const LEFT_OF_EDGE: f32 = 0.1;
+const EDGE_WEIGHT: f32 = 0.01;
+/// Frames that count of an edge, and beside what moved.
+const LONGEST_EDGE: f32 = 12.0;
+const LONGEST_BESIDE: f32 = 3.0;
 
 /// What was drawn in a pixel and beside it: depths, the nearest one's place, the change of distance
 /// from pixel to pixel as a part of it.
@@ -172,14 +185,21 @@ fn frames_left(a: &Accumulation, place: Option<Vec3>) -> f32 {
             left = left.min(keep);
         } else if let Some(place) = place {
             let radii = place.distance(sphere.xyz()) / sphere.w.max(1e-6);
-            left = left.min(if radii <= 1.0 { keep } else { keep.max(1.0) * radii * radii });
+            let beside = keep.clamp(1.0, LONGEST_BESIDE) * radii * radii;
+            left = left.min(if radii <= 1.0 { keep } else { beside });
         }
     }
     left.max(0.0)
 }
 
 /// Mean and frames at a place between pixels; nothing where another surface was seen.
-fn kept_between(a: &Accumulation, input: &Input, place: Vec2, [near, far]: [f32; 2]) -> Vec4 {
+fn kept_between(
+    a: &Accumulation,
+    input: &Input,
+    place: Vec2,
+    [near, far]: [f32; 2],
+    is_edge: bool,
+) -> Vec4 {
     let (low, high) = inside(a);
     let base = (place - 0.5).floor();
     let t = place - 0.5 - base;
@@ -189,19 +209,22 @@ fn kept_between(a: &Accumulation, input: &Input, place: Vec2, [near, far]: [f32;
             return false;
         }
         let seen = input.distance.at(pixel);
-        let distance = if seen <= 0.0 { SKY } else { seen };
+        let distance = if seen == 0.0 { SKY } else { seen.abs() };
         (near..=far).contains(&distance)
     };
-    let (mut sum, mut weights) = (Vec4::ZERO, 0.0);
+    let (mut sum, mut weights, mut mixed) = (Vec4::ZERO, 0.0, 0.0);
     let (mut least, mut most) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
         let pixel = base + IVec2::new(dx, dy);
         if same(pixel) {
             let side = |d: i32, t: f32| if d == 0 { 1.0 - t } else { t };
-            let weight = side(dx, t.x) * side(dy, t.y);
+            let was_edge = input.distance.at(pixel) < 0.0;
+            let less = if was_edge && !is_edge { EDGE_WEIGHT } else { 1.0 };
+            let weight = side(dx, t.x) * side(dy, t.y) * less;
             let kept = kept_at(a, input, pixel);
             sum += kept * weight;
             weights += weight;
+            mixed += if was_edge { weight } else { 0.0 };
             least = least.min(kept.xyz());
             most = most.max(kept.xyz());
         }
@@ -209,7 +232,13 @@ fn kept_between(a: &Accumulation, input: &Input, place: Vec2, [near, far]: [f32;
     if weights < 1e-3 {
         return Vec4::ZERO;
     }
-    let linear = sum / weights;
+    let mut linear = sum / weights;
+    if !is_edge {
+        let left = linear.w.min(LEFT_OF_EDGE);
+        linear.w += (left - linear.w) * mixed / weights;
+    } else {
+        linear.w = linear.w.min(LONGEST_EDGE);
+    }
     if weights < 0.9999 || t.min(1.0 - t).cmplt(Vec2::splat(1e-3)).all() {
         return linear;
     }

@@ -61,7 +61,13 @@ fn input(eye: Vec3) -> Input {
         frame,
         moved: colour(40.0),
         rested: colour(1.0),
-        distance: image(|p| metres(p).unwrap_or(0.0)),
+        // Some were at an edge.
+        distance: image(|p| match (metres(p), p.x % 8) {
+            (Some(metres), 0) => -metres,
+            (Some(metres), _) => metres,
+            (None, 0) => -1e30,
+            (None, _) => 0.0,
+        }),
         depth: image(|p| metres(p).map_or(0.0, |metres| 0.1 / metres)),
         motion: image(
             |p| if p.y > 40 { Vec2::new(0.05, -0.02) } else { Vec2::new(eye.x, 0.0) * 0.01 },
