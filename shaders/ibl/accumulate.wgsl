@@ -48,8 +48,8 @@ struct Accumulation {
 // Mean since everything is still.
 @group(0) @binding(3) var rested: texture_2d<f32>;
 #ifndef STILL
-// Distance of what `moved` shows, in metres along the view; 0 is the sky. Negative at an edge, where
-// the mean is of both sides.
+// Distance of what `moved` shows, in metres along the view; 0 is the sky. Negative where the mean is
+// of both sides of an edge.
 @group(0) @binding(4) var moved_distance: texture_2d<f32>;
 @group(0) @binding(5) var depth: texture_depth_2d;
 @group(0) @binding(6) var motion: texture_2d<f32>;
@@ -104,6 +104,8 @@ struct Output {
 struct Kept {
     mean: vec3<f32>,
     frames: f32,
+    // Whether it is of other surfaces, too.
+    mixed: bool,
 }
 
 fn inside(pixel: vec2<i32>) -> bool {
@@ -147,6 +149,9 @@ fn catmull_rom(t: f32) -> vec4<f32> {
 struct Range {
     near: f32,
     far: f32,
+    // Of the pixel itself.
+    own_near: f32,
+    own_far: f32,
 }
 
 const SKY: f32 = 1.0e30;
@@ -156,7 +161,7 @@ const SKY: f32 = 1.0e30;
 const LEFT_OF_EDGE: f32 = 0.1;
 const EDGE_WEIGHT: f32 = 0.01;
 // Frames that count of an edge: every one moves it by a part of a pixel, and blurs it.
-const LONGEST_EDGE: f32 = 12.0;
+const LONGEST_EDGE: f32 = 24.0;
 // Frames that count where something moved, a radius beside it: shadows must follow.
 const LONGEST_BESIDE: f32 = 3.0;
 
@@ -164,8 +169,8 @@ const LONGEST_BESIDE: f32 = 3.0;
 struct Corner {
     kept: vec4<f32>,
     weight: f32,
-    // The weight, if it was at an edge.
-    edge: f32,
+    // The weight, if it is of other surfaces, too, or of another.
+    mixed: f32,
 }
 
 fn corner_at(pixel: vec2<i32>, bilinear: f32, range: Range, is_edge: bool) -> Corner {
@@ -175,9 +180,9 @@ fn corner_at(pixel: vec2<i32>, bilinear: f32, range: Range, is_edge: bool) -> Co
     if !inside(pixel) || distance < range.near || distance > range.far {
         return Corner(vec4(0.0), 0.0, 0.0);
     }
-    let was_edge = seen < 0.0;
-    let weight = bilinear * select(1.0, EDGE_WEIGHT, was_edge && !is_edge);
-    return Corner(kept_at(pixel), weight, select(0.0, weight, was_edge));
+    let mixed = seen < 0.0 || distance < range.own_near || distance > range.own_far;
+    let weight = bilinear * select(1.0, EDGE_WEIGHT, mixed && !is_edge);
+    return Corner(kept_at(pixel), weight, select(0.0, weight, mixed));
 }
 
 // What is kept at a place between pixels, of what is in the range.
@@ -194,12 +199,12 @@ fn kept_between(place: vec2<f32>, range: Range, is_edge: bool) -> Kept {
     let d = corner_at(base + vec2(1, 1), t.x * t.y, range, is_edge);
     let weights = a.weight + b.weight + c.weight + d.weight;
     if weights < 1.0e-3 {
-        return Kept(vec3(0.0), 0.0);
+        return Kept(vec3(0.0), 0.0, false);
     }
     var linear = (a.kept * a.weight + b.kept * b.weight + c.kept * c.weight + d.kept * d.weight)
         / weights;
+    let mixed = (a.mixed + b.mixed + c.mixed + d.mixed) / weights;
     if !is_edge {
-        let mixed = (a.edge + b.edge + c.edge + d.edge) / weights;
         linear.a = mix(linear.a, min(linear.a, LEFT_OF_EDGE), mixed);
     } else {
         linear.a = min(linear.a, LONGEST_EDGE);
@@ -208,7 +213,7 @@ fn kept_between(place: vec2<f32>, range: Range, is_edge: bool) -> Kept {
     // without its corners): what is moved a hundred times by parts of pixels would be blurred
     // otherwise. What these show can't reach beyond what the four show.
     if weights < 0.9999 || all(min(t, u) < vec2(1.0e-3)) {
-        return Kept(linear.rgb, linear.a);
+        return Kept(linear.rgb, linear.a, mixed > 0.1);
     }
     let across = catmull_rom(t.x);
     let down = catmull_rom(t.y);
@@ -227,7 +232,7 @@ fn kept_between(place: vec2<f32>, range: Range, is_edge: bool) -> Kept {
     let sides = (across.y + across.z) * (down.x + down.w) + (across.x + across.w) * (down.y + down.z);
     let low = min(min(a.kept.rgb, b.kept.rgb), min(c.kept.rgb, d.kept.rgb));
     let high = max(max(a.kept.rgb, b.kept.rgb), max(c.kept.rgb, d.kept.rgb));
-    return Kept(clamp(sum / (middle + sides), low, high), linear.a);
+    return Kept(clamp(sum / (middle + sides), low, high), linear.a, mixed > 0.1);
 }
 
 // The most frames that changes leave at a place of the world, or of the sky.
@@ -325,7 +330,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Output {
     let is_sky = seen.here <= 0.0;
     let place = world.xyz / select(world.w, 1.0, is_sky);
     let away = dot(place - accumulation.eye.xyz, accumulation.forward.xyz);
-    let is_edge = seen.nearest > seen.farthest * (1.1 + 4.0 * seen.slope);
+    let is_edge = seen.nearest > seen.farthest * (1.05 + 2.0 * seen.slope);
 
     // All of an edge moves along with what is nearest in it.
     let nearest_pixel = pixel + seen.step;
@@ -333,6 +338,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Output {
     let before = accumulation.previous_clip_from_world * world_at(nearest_uv, seen.nearest);
     var frames = 0.0;
     var mean = vec3(0.0);
+    var mixed = false;
     if (accumulation.flags & 1u) == 0u && before.w != 0.0 {
         // By the camera's motion alone, exactly; or by what the surface says if that is another.
         var step = nearest_uv - to_uv(before);
@@ -346,9 +352,14 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Output {
                 tolerance = max(tolerance, 0.2);
             }
         }
-        let near = distance_before(uv, seen.nearest) * (1.0 - tolerance);
-        let far = distance_before(uv, seen.farthest) * (1.0 + tolerance);
-        let kept = kept_between(position.xy - step * size, Range(near, far), is_edge);
+        let own = distance_before(uv, seen.here);
+        var range: Range;
+        range.near = distance_before(uv, seen.nearest) * (1.0 - tolerance);
+        range.far = distance_before(uv, seen.farthest) * (1.0 + tolerance);
+        range.own_near = own * (1.0 - tolerance);
+        range.own_far = own * (1.0 + tolerance);
+        let kept = kept_between(position.xy - step * size, range, is_edge);
+        mixed = is_edge && kept.mixed;
         frames = min(kept.frames, frames_left(place, is_sky));
         mean = kept.mean * accumulation.scale;
     }
@@ -356,8 +367,8 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Output {
 
     var output: Output;
     output.moved = vec4(mean, frames + 1.0);
-    let distance_here = select(away, select(0.0, SKY, is_edge), is_sky);
-    output.distance = select(distance_here, -distance_here, is_edge);
+    let distance_here = select(away, select(0.0, SKY, mixed), is_sky);
+    output.distance = select(distance_here, -distance_here, mixed);
     output.colour = vec4(mean, drawn.a);
     return output;
 }

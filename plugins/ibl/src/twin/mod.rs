@@ -54,20 +54,14 @@ fn step(a: &Accumulation, input: &Input, pixel: IVec2) -> Output {
     let seen = around(a, input, pixel);
     let is_sky = seen.here <= 0.0;
     let place = (!is_sky).then(|| place_at(a, uv_of(a, pixel), seen.here));
-    let is_edge = seen.nearest > seen.farthest * (1.1 + 4.0 * seen.slope);
-    let distance = match (place, is_edge) {
-        (Some(place), false) => along(place, a.eye, a.forward),
-        (Some(place), true) => -along(place, a.eye, a.forward),
-        (None, false) => 0.0,
-        (None, true) => -SKY,
-    };
+    let is_edge = seen.nearest > seen.farthest * (1.05 + 2.0 * seen.slope);
 
     // All of an edge moves along with what is nearest in it.
     let nearest = pixel + seen.step;
     let uv = uv_of(a, nearest);
     let previous = Mat4::from_cols_array(&a.previous_clip_from_world);
     let before = previous * world_at(a, uv, seen.nearest);
-    let (mut frames, mut mean) = (0.0, Vec3::ZERO);
+    let (mut frames, mut mean, mut mixed) = (0.0, Vec3::ZERO, false);
     if a.flags & 1 == 0 && before.w != 0.0 {
         let before = before.xy() / before.w * Vec2::new(0.5, -0.5) + 0.5;
         let (mut step, mut tolerance) = (uv - before, (0.02 + seen.slope).min(0.3));
@@ -81,13 +75,23 @@ fn step(a: &Accumulation, input: &Input, pixel: IVec2) -> Output {
             d if d <= 0.0 => SKY,
             d => along(place_at(a, uv_of(a, pixel), d), a.previous_eye, a.previous_forward),
         };
+        let own = before(seen.here);
+        let own = [own * (1.0 - tolerance), own * (1.0 + tolerance)];
         let range =
             [before(seen.nearest) * (1.0 - tolerance), before(seen.farthest) * (1.0 + tolerance)];
-        let kept = kept_between(a, input, pixel.as_vec2() + 0.5 - step * size, range, is_edge);
+        let (kept, kept_mixed) =
+            kept_between(a, input, pixel.as_vec2() + 0.5 - step * size, range, own, is_edge);
+        mixed = is_edge && kept_mixed;
         mean = kept.xyz() * a.scale;
         frames = kept.w.min(frames_left(a, place));
     }
     mean += (drawn.xyz() - mean) / (frames + 1.0);
+    let distance = match (place, mixed) {
+        (Some(place), false) => along(place, a.eye, a.forward),
+        (Some(place), true) => -along(place, a.eye, a.forward),
+        (None, false) => 0.0,
+        (None, true) => -SKY,
+    };
     Output { colour: mean.extend(drawn.w), mean: mean.extend(frames + 1.0), distance }
 }
 
@@ -98,7 +102,7 @@ const SKY: f32 = 1e30;
 const LEFT_OF_EDGE: f32 = 0.1;
 const EDGE_WEIGHT: f32 = 0.01;
 /// Frames that count of an edge, and beside what moved.
-const LONGEST_EDGE: f32 = 12.0;
+const LONGEST_EDGE: f32 = 24.0;
 const LONGEST_BESIDE: f32 = 3.0;
 
 /// What was drawn in a pixel and beside it: depths, the nearest one's place, the change of distance
@@ -192,25 +196,27 @@ fn frames_left(a: &Accumulation, place: Option<Vec3>) -> f32 {
     left.max(0.0)
 }
 
-/// Mean and frames at a place between pixels; nothing where another surface was seen.
+/// Mean and frames at a place between pixels, nothing where another surface was seen; and whether it
+/// is of other surfaces, too.
 fn kept_between(
     a: &Accumulation,
     input: &Input,
     place: Vec2,
     [near, far]: [f32; 2],
+    [own_near, own_far]: [f32; 2],
     is_edge: bool,
-) -> Vec4 {
+) -> (Vec4, bool) {
     let (low, high) = inside(a);
     let base = (place - 0.5).floor();
     let t = place - 0.5 - base;
     let base = base.as_ivec2();
+    let seen = |pixel: IVec2| match input.distance.at(pixel) {
+        0.0 => SKY,
+        distance => distance.abs(),
+    };
     let same = |pixel: IVec2| {
-        if pixel.cmplt(low).any() || pixel.cmpgt(high).any() {
-            return false;
-        }
-        let seen = input.distance.at(pixel);
-        let distance = if seen == 0.0 { SKY } else { seen.abs() };
-        (near..=far).contains(&distance)
+        let inside = pixel.cmpge(low).all() && pixel.cmple(high).all();
+        inside && (near..=far).contains(&seen(pixel))
     };
     let (mut sum, mut weights, mut mixed) = (Vec4::ZERO, 0.0, 0.0);
     let (mut least, mut most) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
@@ -218,29 +224,31 @@ fn kept_between(
         let pixel = base + IVec2::new(dx, dy);
         if same(pixel) {
             let side = |d: i32, t: f32| if d == 0 { 1.0 - t } else { t };
-            let was_edge = input.distance.at(pixel) < 0.0;
-            let less = if was_edge && !is_edge { EDGE_WEIGHT } else { 1.0 };
+            let is_mixed =
+                input.distance.at(pixel) < 0.0 || !(own_near..=own_far).contains(&seen(pixel));
+            let less = if is_mixed && !is_edge { EDGE_WEIGHT } else { 1.0 };
             let weight = side(dx, t.x) * side(dy, t.y) * less;
             let kept = kept_at(a, input, pixel);
             sum += kept * weight;
             weights += weight;
-            mixed += if was_edge { weight } else { 0.0 };
+            mixed += if is_mixed { weight } else { 0.0 };
             least = least.min(kept.xyz());
             most = most.max(kept.xyz());
         }
     }
     if weights < 1e-3 {
-        return Vec4::ZERO;
+        return (Vec4::ZERO, false);
     }
     let mut linear = sum / weights;
+    let mixed = mixed / weights;
     if !is_edge {
         let left = linear.w.min(LEFT_OF_EDGE);
-        linear.w += (left - linear.w) * mixed / weights;
+        linear.w += (left - linear.w) * mixed;
     } else {
         linear.w = linear.w.min(LONGEST_EDGE);
     }
     if weights < 0.9999 || t.min(1.0 - t).cmplt(Vec2::splat(1e-3)).all() {
-        return linear;
+        return (linear, mixed > 0.1);
     }
     let (across, down) = (catmull_rom(t.x), catmull_rom(t.y));
     let (mut smooth, mut weights) = (Vec3::ZERO, 0.0);
@@ -255,7 +263,7 @@ fn kept_between(
             }
         }
     }
-    (smooth / weights).clamp(least, most).extend(linear.w)
+    ((smooth / weights).clamp(least, most).extend(linear.w), mixed > 0.1)
 }
 
 /// A Catmull-Rom spline between the second and the third of four values.
