@@ -129,7 +129,6 @@ fn measure(options: &Options, size: UVec2, report: &mut Report) -> Result<(), St
         let ((frame_ms, cpu_ms), beside) = (of(*subject), of(subject.beside()));
         let (ratio, cpu_ratio) = (frame_ms / beside.0, cpu_ms / beside.1);
         let pass_ms = pass(app);
-        dump(app);
         let told = pass_ms.map_or("".to_owned(), |ms| format!("{ms:.2} ms"));
         let name = format!("{} / {}", subject.name(), subject.beside().name());
         println!(
@@ -155,15 +154,6 @@ fn frame(headless: &mut Headless) -> Result<Times, String> {
     device.poll(PollType::wait_indefinitely()).map_err(|error| error.to_string())?;
     let cpu = process_cpu_time().unwrap_or_default().saturating_sub(cpu);
     Ok(Times { wall: start.elapsed(), cpu })
-}
-
-fn dump(headless: &Headless) {
-    let store = headless.app.world().resource::<DiagnosticsStore>();
-    for diagnostic in store.iter() {
-        if let Some(v) = diagnostic.smoothed() {
-            println!("    {} {v:.2}", diagnostic.path());
-        }
-    }
 }
 
 /// The device's own time of our pass.

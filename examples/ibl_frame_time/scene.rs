@@ -1,8 +1,9 @@
 //! What is drawn: balls on a floor, under five lights with shadows.
 
 use bevy::{
-    camera::Hdr, light::CascadeShadowConfigBuilder, prelude::*,
-    render::diagnostic::RenderDiagnosticsPlugin,
+    core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass},
+    prelude::*,
+    render::{camera::TemporalJitter, diagnostic::RenderDiagnosticsPlugin},
 };
 use farlight::{
     ibl::{IblPlugin, ProgressiveCamera, ProgressiveLighting, Refinement},
@@ -20,7 +21,7 @@ const FAR: f32 = 20.0;
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Subject {
-    /// Five plain directional lights; the camera stands still.
+    /// Five lights as they are drawn, without prepasses; the camera stands still.
     Plain,
     /// The camera sways.
     PlainSwaying,
@@ -94,47 +95,24 @@ fn setup(
             Transform::from_xyz(x * 1.3, 0.4, z * 1.3),
         ));
     }
-    let camera = (
-        Camera3d::default(),
-        Hdr,
-        Msaa::Off,
-        Transform::from_xyz(0.0, 3.5, 7.0).looking_at(Vec3::ZERO, Vec3::Y),
-    );
-    let refining = ProgressiveCamera { rest: *subject == Subject::Resting, ..default() };
-    match *subject {
-        Subject::Plain | Subject::PlainSwaying => {
-            commands.spawn(camera);
-            for i in 0..PER_FRAME {
-                let angle = i as f32 * 1.3;
-                let from = Vec3::new(angle.sin(), 1.0 + 0.2 * i as f32, angle.cos());
-                commands.spawn((
-                    DirectionalLight {
-                        illuminance: 2000.0,
-                        shadow_maps_enabled: true,
-                        ..default()
-                    },
-                    CascadeShadowConfigBuilder {
-                        num_cascades: 1,
-                        maximum_distance: FAR,
-                        ..default()
-                    }
-                    .build(),
-                    Transform::from_translation(from).looking_at(Vec3::ZERO, Vec3::Y),
-                ));
-            }
-        }
-        Subject::Refining | Subject::RefiningSwaying | Subject::Resting => {
-            commands.spawn((camera, refining));
-            commands.insert_resource(ProgressiveLighting {
-                environment: Some(server.load("environments/sky.hdr")),
-                brightness: 4000.0,
-                lights: LIGHTS,
-                per_frame: PER_FRAME,
-                shadow_distance: FAR,
-                ..default()
-            });
-        }
+    let place = Transform::from_xyz(0.0, 3.5, 7.0).looking_at(Vec3::ZERO, Vec3::Y);
+    let accumulate = !matches!(*subject, Subject::Plain | Subject::PlainSwaying);
+    let rest = *subject == Subject::Resting;
+    let camera = commands
+        .spawn((ProgressiveCamera { accumulate, rest, ..default() }, Msaa::Off, place))
+        .id();
+    if !accumulate {
+        // The same lights with the same shadows, but what a plain camera has.
+        commands.entity(camera).remove::<(DepthPrepass, MotionVectorPrepass, TemporalJitter)>();
     }
+    commands.insert_resource(ProgressiveLighting {
+        environment: Some(server.load("environments/sky.hdr")),
+        brightness: 4000.0,
+        lights: LIGHTS,
+        per_frame: PER_FRAME,
+        shadow_distance: FAR,
+        ..default()
+    });
 }
 
 fn sway(
@@ -158,7 +136,9 @@ pub(crate) fn check(world: &mut World, subject: Subject) -> Result<(), String> {
         .count();
     let refinement = world.query::<&Refinement>().iter(world).next().copied();
     let fine = match (subject, refinement) {
-        (Subject::Plain | Subject::PlainSwaying, None) => lights == 0,
+        (Subject::Plain | Subject::PlainSwaying, Some(r)) => {
+            lights == PER_FRAME as usize && r.frames == 0
+        }
         (Subject::Refining, Some(r)) => lights == PER_FRAME as usize && r.frames > 0,
         (Subject::RefiningSwaying, Some(r)) => lights == PER_FRAME as usize && r.frames == 0,
         (Subject::Resting, Some(r)) => r.is_refined(),

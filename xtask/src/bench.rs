@@ -7,6 +7,7 @@ use crate::{Failure, demo, environment, process, reference, soak};
 pub(crate) const HELP: &str = "\
 cargo xtask bench [tracing] [--no-install] [-- OPTIONS]
 cargo xtask bench btf [--gpu | --frames] [--json FILE] [--no-install] [-- OPTIONS]
+cargo xtask bench ibl [--json FILE] [--no-install] [-- OPTIONS]
 cargo xtask bench reference [--samples N] [--no-install]
 cargo xtask bench soak [server | demo] [--minutes N | --seconds N] [--no-install]
 
@@ -21,6 +22,8 @@ cargo xtask bench soak [server | demo] [--minutes N | --seconds N] [--no-install
                  one core
   btf --frames   the time of a frame that a measured material fills, under one and five lights, over
                  that of StandardMaterial in the same run
+  ibl            the time of a frame while the environment's light refines, still and in motion, over
+                 that of the same lights alone, and of a refined picture, at two resolutions
   reference      bakes two scenes and compares irradiance, probes and visibility with those of an
                  independent renderer, in the folder that FARLIGHT_TEST_DATA names
   soak server    runs `farlight serve` and clients that come, get light, leave in every way, come back
@@ -59,7 +62,7 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
             setup::prepare(&purposes[..if gpu || frames { 2 } else { 1 }], install);
             println!("{}", environment::test_data_line());
             if frames {
-                return btf_frames(json.as_deref(), &rest);
+                return frames("btf_frame_time", json.as_deref(), &rest);
             }
             let mut cargo = process::cargo();
             if gpu {
@@ -76,6 +79,12 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
                 cargo.arg("--json").arg(file);
             }
             process::run(cargo.args(rest))
+        }
+        Some("ibl") => {
+            let json = args.value("--json")?;
+            let rest = args.finish()?;
+            setup::prepare(&[Purpose::Build, Purpose::Render], install);
+            frames("ibl_frame_time", json.as_deref(), &rest)
         }
         Some("reference") => {
             let samples = args.parsed::<u32>("--samples", "a number of paths")?.unwrap_or(65_536);
@@ -108,25 +117,23 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
             Ok(())
         }
         Some(other) => {
-            Err(format!("there is no benchmark '{other}': tracing, btf, reference, soak."))
+            Err(format!("there is no benchmark '{other}': tracing, btf, ibl, reference, soak."))
         }
     }
 }
 
-/// Builds and runs the example that times frames.
-fn btf_frames(json: Option<&str>, rest: &[String]) -> Result<(), Failure> {
+/// Builds and runs an example that times frames.
+fn frames(example: &str, json: Option<&str>, rest: &[String]) -> Result<(), Failure> {
     let mut cargo = process::cargo();
-    cargo.args(["build", "--workspace", "--example", "btf_frame_time"]);
+    cargo.args(["build", "--workspace", "--example", example]);
     cargo.arg("--message-format=json-render-diagnostics");
     let mut program = None;
     let built = process::run_by_line(&mut cargo, |line| {
         let found = demo::executable(line);
-        program = found
-            .filter(|p| p.file_stem().is_some_and(|n| n == "btf_frame_time"))
-            .or(program.take());
+        program = found.filter(|p| p.file_stem().is_some_and(|n| n == example)).or(program.take());
     })?;
     let Some(program) = program.filter(|_| built) else {
-        return Err("the example btf_frame_time does not build (see above).".to_owned());
+        return Err(format!("the example {example} does not build (see above)."));
     };
     let mut command = std::process::Command::new(program);
     environment::for_headless(&mut command);
