@@ -62,7 +62,7 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
             setup::prepare(&purposes[..if gpu || frames { 2 } else { 1 }], install);
             println!("{}", environment::test_data_line());
             if frames {
-                return frames("btf_frame_time", json.as_deref(), &rest);
+                return time_frames("btf_frame_time", json.as_deref(), &rest);
             }
             let mut cargo = process::cargo();
             if gpu {
@@ -84,7 +84,7 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
             let json = args.value("--json")?;
             let rest = args.finish()?;
             setup::prepare(&[Purpose::Build, Purpose::Render], install);
-            frames("ibl_frame_time", json.as_deref(), &rest)
+            time_frames("ibl_frame_time", json.as_deref(), &rest)
         }
         Some("reference") => {
             let samples = args.parsed::<u32>("--samples", "a number of paths")?.unwrap_or(65_536);
@@ -123,7 +123,7 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
 }
 
 /// Builds and runs an example that times frames.
-fn frames(example: &str, json: Option<&str>, rest: &[String]) -> Result<(), Failure> {
+fn time_frames(example: &str, json: Option<&str>, rest: &[String]) -> Result<(), Failure> {
     let mut cargo = process::cargo();
     cargo.args(["build", "--workspace", "--example", example]);
     cargo.arg("--message-format=json-render-diagnostics");
