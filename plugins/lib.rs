@@ -113,8 +113,8 @@ pub mod prelude {
     };
     #[cfg(feature = "ibl")]
     pub use farlight_ibl::{
-        EnvironmentBackdrop, EnvironmentMap, EnvironmentStatus, IblPlugin, ImageBasedFallback,
-        ProgressiveCamera, ProgressiveLighting, RefinedScreenshot, Refinement,
+        AtmosphereEnvironment, EnvironmentBackdrop, EnvironmentMap, EnvironmentStatus, IblPlugin,
+        ImageBasedFallback, ProgressiveCamera, ProgressiveLighting, RefinedScreenshot, Refinement,
     };
     #[cfg(feature = "remote")]
     pub use farlight_remote::{RemoteBackend, RemoteSettings};

@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod atmosphere;
 mod backdrop;
 mod cameras;
 mod changes;

@@ -30,6 +30,7 @@
 //! the app's [`SkySource`](farlight_core::SkySource): plugins that solve indirect light know it, and
 //! leave what comes straight from it to the lights.
 
+mod atmosphere;
 mod camera;
 mod cascades;
 mod changes;
@@ -57,6 +58,7 @@ use bevy::{
 };
 use farlight_core::{FarlightCorePlugin, LightmapSystems};
 
+pub use atmosphere::{AtmosphereEnvironment, AtmosphereState, CaptureAtmosphere};
 pub use camera::{ProgressiveCamera, Refinement};
 pub use changes::{Disturb, WatchMaterial};
 pub use dots::{EnvironmentDots, EnvironmentLights};
@@ -151,6 +153,7 @@ impl Plugin for IblPlugin {
             PostUpdate,
             relit::notice.after(LightmapSystems::Notice).before(IblSystems::Decide),
         );
+        atmosphere::build(app);
         changes::build(app);
         render::build(app);
         dots::build(app);
