@@ -13,6 +13,8 @@ struct Change {
 }
 
 struct Accumulation {
+    // Viewport: origin and size in pixels. First, where `present.wgsl` expects it.
+    viewport: vec4<f32>,
     // From clip space (not jittered) to the world, and the other way, now and before.
     world_from_clip: mat4x4<f32>,
     clip_from_world: mat4x4<f32>,
@@ -22,8 +24,6 @@ struct Accumulation {
     forward: vec4<f32>,
     previous_eye: vec4<f32>,
     previous_forward: vec4<f32>,
-    // Viewport: origin and size in pixels.
-    viewport: vec4<f32>,
     // Sub-pixel offset of this frame, in pixels.
     jitter: vec2<f32>,
     // Frames of the still mean so far.
@@ -55,6 +55,13 @@ struct Accumulation {
 @group(0) @binding(6) var motion: texture_2d<f32>;
 #endif
 
+// Beyond the viewport lies what other cameras have drawn.
+fn inside(pixel: vec2<i32>) -> bool {
+    let low = vec2<i32>(accumulation.viewport.xy);
+    let high = low + vec2<i32>(accumulation.viewport.zw);
+    return all(pixel >= low) && all(pixel < high);
+}
+
 // One frame's light; what is no number would stay for ever.
 fn drawn_at(pixel: vec2<i32>) -> vec4<f32> {
     return clamp(textureLoad(frame, pixel, 0), vec4(0.0), vec4(65504.0));
@@ -81,6 +88,9 @@ struct Output {
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Output {
     let pixel = vec2<i32>(position.xy);
+    if !inside(pixel) {
+        return Output(textureLoad(frame, pixel, 0), vec4(0.0));
+    }
     let drawn = drawn_at(pixel);
     var mean = drawn;
     if accumulation.still > 0.0 {
@@ -108,11 +118,6 @@ struct Kept {
     mixed: bool,
 }
 
-fn inside(pixel: vec2<i32>) -> bool {
-    let low = vec2<i32>(accumulation.viewport.xy);
-    let high = low + vec2<i32>(accumulation.viewport.zw);
-    return all(pixel >= low) && all(pixel < high);
-}
 
 // What is kept of a pixel: mean and frames.
 fn kept_at(pixel: vec2<i32>) -> vec4<f32> {
@@ -321,6 +326,9 @@ fn to_uv(clip: vec4<f32>) -> vec2<f32> {
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Output {
     let pixel = vec2<i32>(position.xy);
+    if !inside(pixel) {
+        return Output(textureLoad(frame, pixel, 0), vec4(0.0), 0.0);
+    }
     let drawn = drawn_at(pixel);
     let size = accumulation.viewport.zw;
 

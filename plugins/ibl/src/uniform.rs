@@ -31,6 +31,7 @@ impl From<&Disturb> for Changed {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Accumulation {
+    pub(crate) viewport: [f32; 4],
     pub(crate) world_from_clip: [f32; 16],
     clip_from_world: [f32; 16],
     pub(crate) previous_clip_from_world: [f32; 16],
@@ -38,7 +39,6 @@ pub(crate) struct Accumulation {
     pub(crate) forward: [f32; 4],
     pub(crate) previous_eye: [f32; 4],
     pub(crate) previous_forward: [f32; 4],
-    pub(crate) viewport: [f32; 4],
     pub(crate) jitter: [f32; 2],
     pub(crate) still: f32,
     pub(crate) cycle: f32,

@@ -7,7 +7,6 @@ use bevy::{
     ecs::entity::EntityHashMap,
     prelude::*,
     render::{
-        camera::ExtractedCamera,
         render_resource::{
             BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, Buffer,
             BufferDescriptor, BufferUsages, CachedRenderPipelineId, ColorTargetState, ColorWrites,
@@ -58,7 +57,7 @@ impl FromWorld for Pipelines {
             ),
             presenting: BindGroupLayoutDescriptor::new(
                 "farlight_ibl_presenting",
-                &BindGroupLayoutEntries::sequential(stages, (exact(),)),
+                &BindGroupLayoutEntries::sequential(stages, (exact(), exact(), uniform())),
             ),
             made: Vec::new(),
             uniforms: EntityHashMap::default(),
@@ -190,20 +189,16 @@ fn attachment(view: &TextureView) -> Option<RenderPassColorAttachment<'_>> {
 
 /// Accumulates the frame that was drawn, or presents what is kept.
 pub(crate) fn refine(
-    view: ViewQuery<(
-        &MainEntity,
-        &Step,
-        &StepPipeline,
-        &ViewTarget,
-        &ExtractedCamera,
-        Option<&ViewPrepassTextures>,
-    )>,
+    view: ViewQuery<(&MainEntity, &Step, &StepPipeline, &ViewTarget, Option<&ViewPrepassTextures>)>,
     pipelines: Res<Pipelines>,
     mut histories: ResMut<Histories>,
     cache: Res<PipelineCache>,
     mut context: RenderContext,
 ) {
-    let (main, step, pipeline, target, camera, prepass) = view.into_inner();
+    let (main, step, pipeline, target, prepass) = view.into_inner();
+    if step.action == Action::Show {
+        return;
+    }
     let Some(history) = histories.0.get_mut(&main.id()) else { return };
     let Some(pipeline) = cache.get_render_pipeline(pipeline.0) else { return };
     let Some(uniform) = pipelines.uniforms.get(&main.id()) else { return };
@@ -220,12 +215,11 @@ pub(crate) fn refine(
     let post = target.post_process_write();
     let uniform = uniform.as_entire_binding();
     let (bind_group, written): (_, Vec<&TextureView>) = match (step.action, depth, motion) {
-        (Action::Show, ..) => return,
         (Action::Present, ..) => (
             device.create_bind_group(
                 "farlight_ibl_present",
                 &layout(&pipelines.presenting),
-                &BindGroupEntries::single(history.rested()),
+                &BindGroupEntries::sequential((history.rested(), post.source, uniform)),
             ),
             vec![],
         ),
@@ -273,10 +267,6 @@ pub(crate) fn refine(
             occlusion_query_set: None,
             multiview_mask: None,
         });
-        if let Some(viewport) = &camera.viewport {
-            let (at, size) = (viewport.physical_position, viewport.physical_size);
-            pass.set_scissor_rect(at.x, at.y, size.x, size.y);
-        }
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &bind_group, &[]);
         pass.draw(0..3, 0..1);
