@@ -36,6 +36,8 @@ impl Stage {
     pub(crate) fn new() -> Self {
         let headless = Headless::new(UVec2::splat(SIZE), &support::assets(), |app| {
             app.add_plugins(FarlightPlugins)
+                // Lights of this code, not of an earlier one.
+                .insert_resource(farlight::ibl::EnvironmentCache(None))
                 .insert_resource(GlobalAmbientLight::NONE)
                 .insert_resource(ClearColor(Color::BLACK))
                 .insert_resource(DirectionalLightShadowMap { size: 512 })

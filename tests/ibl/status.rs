@@ -4,7 +4,10 @@ use std::{path::PathBuf, sync::Arc, time::Duration};
 
 use bevy::prelude::*;
 use farlight::{
-    ibl::{EnvironmentState, environment_maps::Environment},
+    ibl::{
+        EnvironmentCache, EnvironmentState,
+        environment_maps::{Environment, LightCache},
+    },
     prelude::*,
 };
 
@@ -114,4 +117,31 @@ fn maps_that_cannot_be_used_say_so_and_the_light_before_shines_on() {
     stage.environment(None);
     let status = stage.settled();
     assert_eq!((status.state, status.lights, status.per_frame), (EnvironmentState::None, 0, 0));
+}
+
+#[test]
+fn chosen_lights_are_kept_on_disk() {
+    let folder = support::scratch("ibl/lights");
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+    let lit = |seed: u64| {
+        let mut stage = Stage::new();
+        stage.ball();
+        stage.world().insert_resource(EnvironmentCache(Some(LightCache::new(&folder))));
+        let map = Environment::from_equirect(8, 4, vec![Vec3::ONE; 32]).unwrap();
+        let settings = ProgressiveLighting { lights: 20, seed, ..default() };
+        stage.light(map, settings);
+        let camera = stage.camera(Vec3::new(0.0, 1.5, 3.0), Vec3::new(0.0, 0.3, 0.0));
+        assert_eq!(stage.settled().state, EnvironmentState::Ready);
+        stage.refine(camera);
+        let files = std::fs::read_dir(&folder).unwrap().count();
+        (stage.floats(), files)
+    };
+    let (first, files) = lit(1);
+    assert_eq!(files, 1);
+    let (again, files) = lit(1);
+    assert_eq!(files, 1);
+    assert!(first == again, "lights of the disk are those that were chosen");
+    assert_eq!(lit(2).1, 2);
 }

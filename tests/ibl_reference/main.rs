@@ -45,6 +45,7 @@ impl Stage {
     fn new(surfaces: &[Surface], sectors: u32) -> Self {
         let headless = Headless::new(UVec2::splat(SIZE), &support::assets(), |app| {
             app.add_plugins(FarlightPlugins)
+                .insert_resource(farlight::ibl::EnvironmentCache(None))
                 .insert_resource(GlobalAmbientLight::NONE)
                 .insert_resource(ClearColor(Color::BLACK));
         });

@@ -22,7 +22,8 @@ impl Game {
     /// A game whose indirect light comes from a plugin's backend.
     pub(crate) fn new(gi: GiPlugin) -> Self {
         Self::with(|app| {
-            app.add_plugins(FarlightPlugins.set(gi));
+            app.add_plugins(FarlightPlugins.set(gi))
+                .insert_resource(farlight::ibl::EnvironmentCache(None));
         })
     }
 

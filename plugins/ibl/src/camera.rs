@@ -112,6 +112,8 @@ pub(crate) struct Progress {
     /// Frames of the still mean.
     still: u32,
     frame: u32,
+    /// Whether the last frame was shown as it was drawn, and nothing is kept of it.
+    shown: bool,
     pub(crate) step: Option<Step>,
 }
 
@@ -187,7 +189,9 @@ pub(crate) fn decide(
         let previous = progress.previous.replace(pose);
         let cycle = group.cycle.max(1);
         let of = (cycle * settings.cycles.max(1)).max(MIN_FRAMES.next_multiple_of(cycle));
-        let fresh = lost || previous.is_none_or(|previous| previous.viewport != pose.viewport);
+        let fresh = lost
+            || progress.shown
+            || previous.is_none_or(|previous| previous.viewport != pose.viewport);
         let still = !fresh && previous == Some(pose) && changes.is_empty() && !pending.is_waiting();
         let done = progress.still >= of;
         let action = match settings {
@@ -197,6 +201,7 @@ pub(crate) fn decide(
             _ => Action::Rest,
         };
         progress.frame = progress.frame.wrapping_add(1);
+        progress.shown = action == Action::Show;
         // Bevy 0.19 moves parallel projections by a distance that grows with depth.
         let is_parallel = camera.clip_from_view().w_axis.w == 1.0;
         let offset = match action {

@@ -9,7 +9,7 @@ use bevy::{
     tasks::{AsyncComputeTaskPool, Task, futures::check_ready},
 };
 use farlight_environment::{
-    Environment, EnvironmentError, EnvironmentLight, Layout, LightRequest, Method,
+    Environment, EnvironmentError, EnvironmentLight, Layout, LightCache, LightRequest, Method,
 };
 
 use crate::{
@@ -58,6 +58,17 @@ pub enum EnvironmentMapError {
     Content(#[from] EnvironmentError),
 }
 
+/// Where chosen lights are kept on disk, so that a map's lights need not be chosen again.
+#[derive(Resource, Clone, Debug, PartialEq, Eq)]
+pub struct EnvironmentCache(pub Option<LightCache>);
+
+impl Default for EnvironmentCache {
+    /// In the user's folder for such; nowhere in browsers.
+    fn default() -> Self {
+        Self(LightCache::of_user())
+    }
+}
+
 /// The lights that stand for the map, in its frame, in the map's unit.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub(crate) struct Lights(pub(crate) Arc<[EnvironmentLight]>);
@@ -83,6 +94,7 @@ pub(crate) fn choose(
     settings: Res<ProgressiveLighting>,
     maps: Res<Assets<EnvironmentMap>>,
     server: Res<AssetServer>,
+    cache: Res<EnvironmentCache>,
     mut events: MessageReader<AssetEvent<EnvironmentMap>>,
     mut choice: ResMut<Choice>,
     mut lights: ResMut<Lights>,
@@ -112,8 +124,13 @@ pub(crate) fn choose(
             let request =
                 LightRequest { count: wanted.count, method: wanted.method, seed: wanted.seed };
             choice.wanted = Some(wanted);
-            choice.task =
-                Some(AsyncComputeTaskPool::get().spawn(async move { map.lights(&request).into() }));
+            let cache = cache.0.clone();
+            choice.task = Some(AsyncComputeTaskPool::get().spawn(async move {
+                match cache {
+                    Some(cache) => cache.lights(&map, &request).into(),
+                    None => map.lights(&request).into(),
+                }
+            }));
             status.state = EnvironmentState::Choosing;
         }
         Some(_) => {}

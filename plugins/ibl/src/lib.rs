@@ -62,7 +62,9 @@ pub use atmosphere::{AtmosphereEnvironment, AtmosphereState, CaptureAtmosphere};
 pub use camera::{ProgressiveCamera, Refinement};
 pub use changes::{Disturb, WatchMaterial};
 pub use dots::{EnvironmentDots, EnvironmentLights};
-pub use environment::{EnvironmentMap, EnvironmentMapError, EnvironmentMapLoader};
+pub use environment::{
+    EnvironmentCache, EnvironmentMap, EnvironmentMapError, EnvironmentMapLoader,
+};
 pub use farlight_environment as environment_maps;
 pub use screenshot::RefinedScreenshot;
 pub use settings::{LIGHTS, PER_FRAME, ProgressiveLighting};
@@ -103,6 +105,7 @@ impl Plugin for IblPlugin {
             .add_message::<Disturb>()
             .init_resource::<ProgressiveLighting>()
             .init_resource::<EnvironmentStatus>()
+            .init_resource::<EnvironmentCache>()
             .init_resource::<environment::Lights>()
             .init_resource::<environment::Choice>()
             .init_resource::<groups::Arranged>()

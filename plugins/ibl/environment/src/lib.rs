@@ -16,6 +16,7 @@
 //! # Ok::<(), farlight_environment::EnvironmentError>(())
 //! ```
 
+mod cache;
 mod environment;
 mod error;
 mod layout;
@@ -29,6 +30,7 @@ mod shrink;
 mod sphere;
 mod unroll;
 
+pub use cache::LightCache;
 pub use environment::{Environment, Repairs};
 pub use error::EnvironmentError;
 pub use layout::Layout;
