@@ -136,8 +136,12 @@ impl Stage {
             let status = world.resource::<BtfStatus>();
             status.waiting == 0 && status.resident > 0
         };
-        self.headless
-            .update_until("materials on the GPU", Duration::from_secs(60), ready)
+        // What was just added is not waited for before the status has heard of it.
+        (0..4)
+            .try_for_each(|_| self.headless.update())
+            .and_then(|()| {
+                self.headless.update_until("materials on the GPU", Duration::from_secs(60), ready)
+            })
             .and_then(|()| (0..6).try_for_each(|_| self.headless.update()))
             .unwrap_or_else(|problem| panic!("{problem}"));
     }

@@ -142,6 +142,9 @@ fn chosen_lights_are_kept_on_disk() {
     assert_eq!(files, 1);
     let (again, files) = lit(1);
     assert_eq!(files, 1);
-    assert!(first == again, "lights of the disk are those that were chosen");
+    // The same lights, added up from another one on.
+    let apart = first.iter().zip(&again).map(|(a, b)| (a - b).abs().max_element());
+    let apart = apart.fold(0.0, f32::max);
+    assert!(apart < 2e-3, "lights of the disk are those that were chosen: {apart}");
     assert_eq!(lit(2).1, 2);
 }
