@@ -1,6 +1,6 @@
 // The mean of the pictures of many frames, each lit by another group of lights.
 //
-// Twin on the CPU: `plugins/ibl/src/twin.rs`, the specification.
+// Twin on the CPU: `plugins/ibl/src/twin`, the specification.
 
 struct Change {
     // Centre in the world, radius in metres (negative: everywhere).
@@ -15,9 +15,8 @@ struct Change {
 struct Accumulation {
     // Viewport: origin and size in pixels. First, where `present.wgsl` expects it.
     viewport: vec4<f32>,
-    // From clip space (not jittered) to the world, and the other way, now and before.
+    // From clip space (not jittered) to the world now, and the other way before.
     world_from_clip: mat4x4<f32>,
-    clip_from_world: mat4x4<f32>,
     previous_clip_from_world: mat4x4<f32>,
     // Where the camera was and looked to.
     eye: vec4<f32>,
@@ -60,6 +59,12 @@ fn inside(pixel: vec2<i32>) -> bool {
     let low = vec2<i32>(accumulation.viewport.xy);
     let high = low + vec2<i32>(accumulation.viewport.zw);
     return all(pixel >= low) && all(pixel < high);
+}
+
+// The nearest pixel inside.
+fn nearest_inside(pixel: vec2<i32>) -> vec2<i32> {
+    let low = vec2<i32>(accumulation.viewport.xy);
+    return clamp(pixel, low, low + vec2<i32>(accumulation.viewport.zw) - 1);
 }
 
 // One frame's light; what is no number would stay for ever.
@@ -118,7 +123,6 @@ struct Kept {
     mixed: bool,
 }
 
-
 // What is kept of a pixel: mean and frames.
 fn kept_at(pixel: vec2<i32>) -> vec4<f32> {
     let mean = textureLoad(moved, pixel, 0);
@@ -132,9 +136,7 @@ fn kept_at(pixel: vec2<i32>) -> vec4<f32> {
 
 // The same of the nearest pixel of the viewport.
 fn kept_within(pixel: vec2<i32>) -> vec4<f32> {
-    let low = vec2<i32>(accumulation.viewport.xy);
-    let high = low + vec2<i32>(accumulation.viewport.zw) - 1;
-    return kept_at(clamp(pixel, low, high));
+    return kept_at(nearest_inside(pixel));
 }
 
 // Weights of four neighbours in a Catmull-Rom spline, at `t` between the second and the third.
@@ -274,9 +276,7 @@ struct Around {
 }
 
 fn depth_beside(pixel: vec2<i32>, step: vec2<i32>) -> f32 {
-    let low = vec2<i32>(accumulation.viewport.xy);
-    let high = low + vec2<i32>(accumulation.viewport.zw) - 1;
-    return textureLoad(depth, clamp(pixel + step, low, high), 0);
+    return textureLoad(depth, nearest_inside(pixel + step), 0);
 }
 
 fn around(pixel: vec2<i32>) -> Around {

@@ -1,7 +1,7 @@
 //! Cameras whose pictures refine themselves, and how far they are.
 
 use bevy::{
-    camera::Hdr,
+    camera::{Exposure, Hdr},
     core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass},
     prelude::*,
     render::{
@@ -12,7 +12,7 @@ use bevy::{
 use crate::{changes::Changes, lights::Group, render::Pending};
 
 /// Frames that a still picture has at least, so that edges are smooth.
-pub(crate) const MIN_FRAMES: u32 = 32;
+const MIN_FRAMES: u32 = 32;
 /// Frames that count while the camera moves, at most: what is older was moved by parts of pixels
 /// too often.
 const LONGEST_MOVING: f32 = 512.0;
@@ -20,7 +20,8 @@ const LONGEST_MOVING: f32 = 512.0;
 /// Gives a camera the environment's light, refined from frame to frame.
 ///
 /// The camera draws linear HDR (`Hdr`) with motion vectors and without multisampling; edges become
-/// smooth by moving each frame by a part of a pixel (not with a parallel projection). Temporal antialiasing beside it is of no use.
+/// smooth by moving each frame by a part of a pixel (not with a parallel projection). Temporal
+/// antialiasing beside it is of no use.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone)]
 #[require(Camera3d, Hdr, DepthPrepass, MotionVectorPrepass, Refinement, TemporalJitter)]
@@ -34,6 +35,13 @@ pub struct ProgressiveCamera {
     /// How many times all lights are gone through until a still picture counts as refined; more make
     /// edges smoother where lights are few. At least 32 frames are drawn anyway.
     pub cycles: u32,
+}
+
+impl ProgressiveCamera {
+    /// How many times a still picture goes through `cycle` groups until it is refined.
+    pub(crate) fn rounds(&self, cycle: u32) -> u32 {
+        self.cycles.max(1).max(MIN_FRAMES.div_ceil(cycle.max(1)))
+    }
 }
 
 impl Default for ProgressiveCamera {
@@ -84,7 +92,7 @@ pub(crate) struct Step {
     pub(crate) previous: Pose,
     /// Frames of the still mean before this one.
     pub(crate) still: u32,
-    /// Frames of the still mean, when the camera began to move in this frame.
+    /// Frames of a refined picture: a whole number of cycles.
     pub(crate) cycle: u32,
     pub(crate) longest: f32,
     pub(crate) jitter: Vec2,
@@ -157,7 +165,7 @@ pub(crate) fn decide(
         &ProgressiveCamera,
         &Camera,
         &GlobalTransform,
-        Option<&bevy::camera::Exposure>,
+        Option<&Exposure>,
         &mut TemporalJitter,
         &mut Refinement,
         Option<&mut Progress>,
@@ -188,7 +196,7 @@ pub(crate) fn decide(
         };
         let previous = progress.previous.replace(pose);
         let cycle = group.cycle.max(1);
-        let of = (cycle * settings.cycles.max(1)).max(MIN_FRAMES.next_multiple_of(cycle));
+        let of = cycle * settings.rounds(cycle);
         let fresh = lost
             || progress.shown
             || previous.is_none_or(|previous| previous.viewport != pose.viewport);

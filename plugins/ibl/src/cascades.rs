@@ -71,7 +71,7 @@ pub(crate) fn fit(
             continue;
         }
         let sequence = Sequence::at(place.light as u32 + group.round());
-        let frame = Frame { rotation: transform.rotation() };
+        let frame = Frame::new(transform.rotation());
         let mut texel = 0.0_f32;
         cascades.cascades.clear();
         for (camera, camera_transform, projection, _, layers) in &cameras {
@@ -166,21 +166,24 @@ impl Bounds {
 /// The frame of a light, which looks down -z.
 struct Frame {
     rotation: Quat,
+    to_light: Mat3,
 }
 
 impl Frame {
+    fn new(rotation: Quat) -> Self {
+        Self { rotation, to_light: Mat3::from_quat(rotation.inverse()) }
+    }
+
     fn bounds(&self, points: impl Iterator<Item = Vec3A>) -> Bounds {
-        let to_light = Mat3::from_quat(self.rotation.inverse());
-        points.map(|point| to_light * point).fold(Bounds::NOTHING, |bounds, point| Bounds {
+        points.map(|point| self.to_light * point).fold(Bounds::NOTHING, |bounds, point| Bounds {
             min: bounds.min.min(point),
             max: bounds.max.max(point),
         })
     }
 
     fn body(&self, body: &Body) -> Bounds {
-        let to_light = Mat3::from_quat(self.rotation.inverse());
-        let middle = to_light * body.middle;
-        let half = body.axes.iter().map(|axis| (to_light * *axis).abs()).sum::<Vec3A>();
+        let middle = self.to_light * body.middle;
+        let half = body.axes.iter().map(|axis| (self.to_light * *axis).abs()).sum::<Vec3A>();
         Bounds { min: middle - half, max: middle + half }
     }
 
@@ -240,7 +243,7 @@ mod tests {
     const SIZE: f32 = 512.0;
 
     fn frame(direction: Vec3) -> Frame {
-        Frame { rotation: Transform::default().looking_to(direction, Vec3::X).rotation }
+        Frame::new(Transform::default().looking_to(direction, Vec3::X).rotation)
     }
 
     fn boxed(min: Vec3, max: Vec3) -> Body<'static> {

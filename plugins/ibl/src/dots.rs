@@ -217,6 +217,8 @@ fn prepare(
     shown: Res<Shown>,
     cameras: Query<(Entity, &MainEntity, &Step, &ExtractedView, &EnvironmentDots)>,
 ) {
+    let is_there = |entity: &Entity| cameras.iter().any(|(_, main, ..)| main.id() == *entity);
+    pipelines.uniforms.retain(|entity, _| is_there(entity));
     if cameras.is_empty() || shown.lights.is_empty() {
         return;
     }

@@ -9,7 +9,7 @@ use bevy::{
     tasks::{AsyncComputeTaskPool, Task, futures::check_ready},
 };
 use farlight_environment::{
-    Environment, EnvironmentError, EnvironmentLight, Layout, LightCache, LightRequest, Method,
+    Environment, EnvironmentError, EnvironmentLight, Layout, LightCache, LightRequest,
 };
 
 use crate::{
@@ -73,19 +73,11 @@ impl Default for EnvironmentCache {
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub(crate) struct Lights(pub(crate) Arc<[EnvironmentLight]>);
 
-/// What the lights were chosen from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Wanted {
-    map: AssetId<EnvironmentMap>,
-    count: u32,
-    method: Method,
-    seed: u64,
-}
-
 /// Lights being chosen in the background.
 #[derive(Resource, Default)]
 pub(crate) struct Choice {
-    wanted: Option<Wanted>,
+    /// What is chosen or was chosen last.
+    wanted: Option<(AssetId<EnvironmentMap>, LightRequest)>,
     task: Option<Task<Arc<[EnvironmentLight]>>>,
 }
 
@@ -111,19 +103,16 @@ pub(crate) fn choose(
         return;
     };
     let id = handle.id();
-    let wanted = Wanted {
-        map: id,
+    let request = LightRequest {
         count: settings.lights.clamp(*LIGHTS.start(), *LIGHTS.end()),
         method: settings.method,
         seed: settings.seed,
     };
-    let anew = changed(id, &mut events) || choice.wanted != Some(wanted);
+    let anew = changed(id, &mut events) || choice.wanted != Some((id, request));
     match maps.get(id) {
         Some(map) if anew => {
             let map = map.0.clone();
-            let request =
-                LightRequest { count: wanted.count, method: wanted.method, seed: wanted.seed };
-            choice.wanted = Some(wanted);
+            choice.wanted = Some((id, request));
             let cache = cache.0.clone();
             choice.task = Some(AsyncComputeTaskPool::get().spawn(async move {
                 match cache {

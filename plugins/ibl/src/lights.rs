@@ -15,8 +15,6 @@ use bevy::{
 };
 use farlight_core::DerivedLight;
 
-use crate::camera::MIN_FRAMES;
-
 use crate::{
     ProgressiveCamera, ProgressiveLighting,
     environment::Lights,
@@ -148,8 +146,7 @@ pub(crate) fn shine(
         crowded_out,
         ..status.clone()
     });
-    let cycles = active().map(|(_, camera, _)| camera.cycles.max(1)).max().unwrap_or(1);
-    group.rounds = cycles.max(MIN_FRAMES.div_ceil(cycle.max(1)));
+    group.rounds = active().map(|(_, camera, _)| camera.rounds(cycle)).max().unwrap_or(1);
     if group.cycle != cycle {
         *group = Group { turn: 0, cycle, advance: false, rounds: group.rounds };
     } else if group.advance {

@@ -39,8 +39,9 @@ pub struct ProgressiveLighting {
     pub seed: u64,
     /// Whether the lights cast shadows.
     pub shadows: bool,
-    /// Metres from a camera up to which shadows are cast; nearer is sharper. Scenes that are smaller
-    /// lose nothing by a large value.
+    /// Metres from a camera up to which shadows are cast; nearer is sharper. They end at 75 to 100 % of
+    /// it, for some lights nearer than for others. Scenes that are smaller lose nothing by a large
+    /// value; cameras with a parallel projection have shadows over their whole depth.
     pub shadow_distance: f32,
 }
 

@@ -33,7 +33,6 @@ impl From<&Disturb> for Changed {
 pub(crate) struct Accumulation {
     pub(crate) viewport: [f32; 4],
     pub(crate) world_from_clip: [f32; 16],
-    clip_from_world: [f32; 16],
     pub(crate) previous_clip_from_world: [f32; 16],
     pub(crate) eye: [f32; 4],
     pub(crate) forward: [f32; 4],
@@ -59,7 +58,6 @@ impl Accumulation {
         all[..count].copy_from_slice(&changes[..count]);
         Self {
             world_from_clip: world_from_clip(step.pose.clip_from_world),
-            clip_from_world: step.pose.clip_from_world.to_cols_array(),
             previous_clip_from_world: step.previous.clip_from_world.to_cols_array(),
             eye: point(step.pose.eye),
             forward: point(step.pose.forward),

@@ -57,13 +57,14 @@ fn environment(
     settings: Res<ProgressiveLighting>,
     set: Res<Lights>,
     group: Res<Group>,
-    mut before: Local<Option<(ProgressiveLighting, Lights, u32)>>,
+    mut before: Local<Option<(ProgressiveLighting, u32)>>,
 ) {
-    let same = before.as_ref().is_some_and(|(settings_before, set_before, cycle)| {
-        *cycle == group.cycle && *settings_before == *settings && *set_before == *set
+    let same = before.as_ref().is_some_and(|(settings_before, cycle)| {
+        *cycle == group.cycle && *settings_before == *settings
     });
-    if !same {
-        *before = Some((settings.clone(), set.clone(), group.cycle));
+    // A set is written only when it is another one.
+    if !same || set.is_changed() {
+        *before = Some((settings.clone(), group.cycle));
         changes.everywhere();
     }
 }

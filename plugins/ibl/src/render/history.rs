@@ -8,8 +8,8 @@ use bevy::{
     render::{
         camera::ExtractedCamera,
         render_resource::{
-            Extent3d, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
-            TextureView, TextureViewDescriptor,
+            Buffer, BufferDescriptor, BufferUsages, Extent3d, TextureDescriptor, TextureDimension,
+            TextureFormat, TextureUsages, TextureView, TextureViewDescriptor,
         },
         renderer::RenderDevice,
         sync_world::MainEntity,
@@ -17,7 +17,10 @@ use bevy::{
 };
 
 use super::Pending;
-use crate::camera::{Action, Step};
+use crate::{
+    camera::{Action, Step},
+    uniform::Accumulation,
+};
 
 /// Means of colour, in full precision: the mean of thousands of half floats stands still.
 pub(crate) const MEAN_FORMAT: TextureFormat = TextureFormat::Rgba32Float;
@@ -32,6 +35,8 @@ pub(crate) struct History {
     /// Which mean moves along, which is the still one, and which is free.
     pub(crate) roles: [usize; 3],
     pub(crate) distance: usize,
+    /// What the pass is told about a frame.
+    pub(crate) uniform: Buffer,
 }
 
 impl History {
@@ -56,6 +61,12 @@ impl History {
             distances: std::array::from_fn(|_| texture("farlight_ibl_distance", DISTANCE_FORMAT)),
             roles: [0, 1, 2],
             distance: 0,
+            uniform: device.create_buffer(&BufferDescriptor {
+                label: Some("farlight_ibl_accumulation"),
+                size: size_of::<Accumulation>() as u64,
+                usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
         }
     }
 

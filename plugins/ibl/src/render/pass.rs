@@ -1,21 +1,19 @@
 //! The pass over all pixels that accumulates, moves along, or presents.
 
-use bevy::render::diagnostic::RecordDiagnostics;
 use bevy::{
     asset::AssetServer,
     core_pipeline::{FullscreenShader, prepass::ViewPrepassTextures},
-    ecs::entity::EntityHashMap,
     prelude::*,
     render::{
+        diagnostic::RecordDiagnostics,
         render_resource::{
-            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, Buffer,
-            BufferDescriptor, BufferUsages, CachedRenderPipelineId, ColorTargetState, ColorWrites,
-            FragmentState, Operations, PipelineCache, RenderPassColorAttachment,
-            RenderPassDescriptor, RenderPipelineDescriptor, ShaderStages, TextureFormat,
-            TextureSampleType, TextureView,
+            BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries,
+            CachedRenderPipelineId, ColorTargetState, ColorWrites, FragmentState, Operations,
+            PipelineCache, RenderPassColorAttachment, RenderPassDescriptor,
+            RenderPipelineDescriptor, ShaderStages, TextureFormat, TextureSampleType, TextureView,
             binding_types::{texture_2d, texture_depth_2d, uniform_buffer_sized},
         },
-        renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
+        renderer::{RenderContext, RenderQueue, ViewQuery},
         sync_world::MainEntity,
         view::{ExtractedView, ViewTarget},
     },
@@ -28,14 +26,13 @@ use crate::{
     uniform::{Accumulation, Changed},
 };
 
-/// Pipelines and uniform buffers.
+/// Pipelines, and how what they read is bound.
 #[derive(Resource)]
 pub(crate) struct Pipelines {
     moving: BindGroupLayoutDescriptor,
     resting: BindGroupLayoutDescriptor,
     presenting: BindGroupLayoutDescriptor,
     made: Vec<(Kind, TextureFormat, CachedRenderPipelineId)>,
-    uniforms: EntityHashMap<Buffer>,
 }
 
 impl FromWorld for Pipelines {
@@ -60,7 +57,6 @@ impl FromWorld for Pipelines {
                 &BindGroupLayoutEntries::sequential(stages, (exact(), exact(), uniform())),
             ),
             made: Vec::new(),
-            uniforms: EntityHashMap::default(),
         }
     }
 }
@@ -109,7 +105,7 @@ pub(crate) fn prepare(
     cache: Res<PipelineCache>,
     server: Res<AssetServer>,
     fullscreen: Res<FullscreenShader>,
-    device: Res<RenderDevice>,
+    histories: Res<Histories>,
     queue: Res<RenderQueue>,
     changes: Res<ExtractedChanges>,
     cameras: Query<(Entity, &MainEntity, &Step, &ExtractedView, Option<&ViewPrepassTextures>)>,
@@ -118,23 +114,14 @@ pub(crate) fn prepare(
         // All at once: a pipeline that is asked for only when a picture rests would disturb it.
         let all = Kind::ALL
             .map(|kind| pipelines.get(kind, view.target_format, &cache, &server, &fullscreen));
-        let Some(kind) = Kind::of(step) else {
+        let (Some(kind), Some(history)) = (Kind::of(step), histories.0.get(&main.id())) else {
             commands.entity(entity).remove::<StepPipeline>();
             continue;
         };
-        let id = all[kind as usize];
-        commands.entity(entity).insert(StepPipeline(id));
+        commands.entity(entity).insert(StepPipeline(all[kind as usize]));
         let moves = prepass.is_some_and(|prepass| prepass.motion_vectors_view().is_some());
         let accumulation = Accumulation::new(step, moves, &changes.0);
-        let buffer = pipelines.uniforms.entry(main.id()).or_insert_with(|| {
-            device.create_buffer(&BufferDescriptor {
-                label: Some("farlight_ibl_accumulation"),
-                size: size_of::<Accumulation>() as u64,
-                usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        });
-        queue.write_buffer(buffer, 0, bytemuck::bytes_of(&accumulation));
+        queue.write_buffer(&history.uniform, 0, bytemuck::bytes_of(&accumulation));
     }
 }
 
@@ -201,7 +188,6 @@ pub(crate) fn refine(
     }
     let Some(history) = histories.0.get_mut(&main.id()) else { return };
     let Some(pipeline) = cache.get_render_pipeline(pipeline.0) else { return };
-    let Some(uniform) = pipelines.uniforms.get(&main.id()) else { return };
     let device = context.render_device().clone();
     let layout = |descriptor| cache.get_bind_group_layout(descriptor);
     let (depth, motion) = (
@@ -213,7 +199,7 @@ pub(crate) fn refine(
     }
 
     let post = target.post_process_write();
-    let uniform = uniform.as_entire_binding();
+    let uniform = history.uniform.as_entire_binding();
     let (bind_group, written): (_, Vec<&TextureView>) = match (step.action, depth, motion) {
         (Action::Present, ..) => (
             device.create_bind_group(
