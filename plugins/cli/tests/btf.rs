@@ -1,5 +1,7 @@
 //! `farlight btf` as a user runs it.
 
+mod support;
+
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -8,38 +10,13 @@ use std::{
 
 use farlight_btf_codec::{Angles, Btf, Info, Rules, synthetic::lambert};
 use image::RgbImage;
+use support::{Folder, refused, succeeded};
 
-/// A folder of a test's own, removed at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(test: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("farlight-btf-{test}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn at(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-
-    fn write(&self, name: &str, text: &str) -> PathBuf {
-        fs::write(self.at(name), text).unwrap();
-        self.at(name)
-    }
-
-    /// A reddish Lambertian material of 3 x 2 texels.
-    fn material(&self) -> PathBuf {
-        let path = self.at("red.fbtf");
-        lambert([0.8, 0.3, 0.1], [3, 2]).unwrap().write(&path).unwrap();
-        path
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
+/// A reddish Lambertian material of 3 x 2 texels.
+fn material(folder: &Folder) -> PathBuf {
+    let path = folder.at("red.fbtf");
+    lambert([0.8, 0.3, 0.1], [3, 2]).unwrap().write(&path).unwrap();
+    path
 }
 
 fn btf<S: AsRef<std::ffi::OsStr>>(arguments: &[S]) -> Output {
@@ -53,22 +30,10 @@ fn eval(material: &Path, queries: &Path, out: &Path, more: &[&str]) -> Output {
     btf(&arguments)
 }
 
-#[track_caller]
-fn succeeded(output: &Output) -> String {
-    assert!(output.status.success(), "{output:?}");
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
-#[track_caller]
-fn refused(output: &Output) -> String {
-    assert!(!output.status.success(), "{output:?}");
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
 #[test]
 fn eval_keeps_order_and_fields_and_answers() {
     let folder = Folder::new("order");
-    let material = folder.material();
+    let material = material(&folder);
     let out = folder.at("out.csv");
     let queries = folder.write(
         "in.csv",
@@ -94,13 +59,13 @@ fn eval_keeps_order_and_fields_and_answers() {
             assert!((found - expected).abs() < 0.3, "{found} {expected}");
         }
     }
-    assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 3, "nothing else is left");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3, "nothing else is left");
 }
 
 #[test]
 fn eval_explains_what_is_wrong() {
     let folder = Folder::new("wrong");
-    let material = folder.material();
+    let material = material(&folder);
     let out = folder.at("out.csv");
     let header = "x,y,theta_i,phi_i,theta_v,phi_v\n0,0,0,0,0,0\n";
     for (name, text, message) in [
@@ -120,14 +85,14 @@ fn eval_explains_what_is_wrong() {
     assert!(error.contains("no material") && error.contains("begins with"), "{error}");
     let error = refused(&eval(&material, &good, &folder.at("no/such/out.csv"), &[]));
     assert!(error.contains("out.csv"), "{error}");
-    let parts = fs::read_dir(&folder.0).unwrap().flatten();
+    let parts = fs::read_dir(folder.path()).unwrap().flatten();
     assert!(!parts.map(|e| e.file_name()).any(|n| n.to_string_lossy().contains(".part")));
 }
 
 #[test]
 fn import_keeps_values_and_adds_the_size() {
     let folder = Folder::new("import");
-    let material = folder.material();
+    let material = material(&folder);
     let out = folder.at("again.fbtf");
     let arguments = |size: &str| {
         ["import", material.to_str().unwrap(), "--out", out.to_str().unwrap(), "--size-m", size]
@@ -143,7 +108,7 @@ fn import_keeps_values_and_adds_the_size() {
 #[test]
 fn info_tells_what_there_is() {
     let folder = Folder::new("info");
-    let text = succeeded(&btf(&["info".as_ref(), folder.material().as_os_str()]));
+    let text = succeeded(&btf(&["info".as_ref(), material(&folder).as_os_str()]));
     for words in ["lambert", "3 x 2", "LDR", "luminances", "repaired     nothing", "mean colour"] {
         assert!(text.contains(words), "{words}: {text}");
     }

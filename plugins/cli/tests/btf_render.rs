@@ -1,32 +1,17 @@
 //! `farlight btf render` as people run it.
 
+mod support;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use farlight_btf_codec::{srgb_encode, synthetic};
-
-/// A folder of its own that goes away again.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let name = format!("farlight_btf_render_{name}_{}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
-        std::fs::create_dir_all(&folder).unwrap();
-        Self(folder)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
+use support::Folder;
 
 const ALBEDO: [f32; 3] = [0.8, 0.35, 0.05];
 
-fn material(folder: &Path) -> PathBuf {
-    let path = folder.join("lambert.fbtf");
+fn material(folder: &Folder) -> PathBuf {
+    let path = folder.at("lambert.fbtf");
     synthetic::lambert(ALBEDO, [2, 2]).unwrap().write(&path).unwrap();
     path
 }
@@ -57,7 +42,7 @@ fn assert_close(pixel: image::Rgb<u8>, expected: [f32; 3], tolerance: f32) {
 #[test]
 fn lights_add_up_and_fall_with_the_cosine() {
     let folder = Folder::new("lights");
-    let (material, out) = (material(&folder.0), folder.0.join("out.png"));
+    let (material, out) = (material(&folder), folder.at("out.png"));
     let common = ["--object", "plane", "--view", "0,0", "--size", "32x24", "--samples", "2"];
     // 60 degrees off: half of the light; the last stands behind the plane.
     for (lights, strength) in [
@@ -77,8 +62,8 @@ fn lights_add_up_and_fall_with_the_cosine() {
 #[test]
 fn an_even_environment_gives_the_albedo_and_the_seed_decides_the_noise() {
     let folder = Folder::new("environment");
-    let (material, out) = (material(&folder.0), folder.0.join("out.png"));
-    let sky = folder.0.join("sky.hdr");
+    let (material, out) = (material(&folder), folder.at("out.png"));
+    let sky = folder.at("sky.hdr");
     let even = image::Rgb32FImage::from_pixel(16, 8, image::Rgb([0.5; 3]));
     even.save(&sky).unwrap();
     let options = ["--environment", sky.to_str().unwrap(), "--size", "24x24", "--samples", "32"];
@@ -104,7 +89,7 @@ fn an_even_environment_gives_the_albedo_and_the_seed_decides_the_noise() {
 #[test]
 fn every_object_shows_the_material() {
     let folder = Folder::new("objects");
-    let (material, out) = (material(&folder.0), folder.0.join("out.png"));
+    let (material, out) = (material(&folder), folder.at("out.png"));
     for object in ["sphere", "plane", "cylinder", "cloth"] {
         let options = ["--object", object, "--size", "40x40", "--samples", "1", "--view", "10,20"];
         let picture = picture(&material, &out, &options);
@@ -116,7 +101,7 @@ fn every_object_shows_the_material() {
 #[test]
 fn mistakes_are_named() {
     let folder = Folder::new("mistakes");
-    let (material, out) = (material(&folder.0), folder.0.join("out.png"));
+    let (material, out) = (material(&folder), folder.at("out.png"));
     let failed = |material: &Path, options: &[&str]| {
         let output = render(material, &out, options);
         assert!(!output.status.success(), "{options:?}");
@@ -125,8 +110,8 @@ fn mistakes_are_named() {
     };
     assert!(failed(&material, &["--light", "0,95"]).contains("elevation"));
     assert!(failed(&material, &["--size", "0x10"]).contains("WxH"));
-    assert!(failed(&folder.0.join("none.fbtf"), &[]).contains("none.fbtf"));
-    let sky = folder.0.join("sky.hdr");
+    assert!(failed(&folder.at("none.fbtf"), &[]).contains("none.fbtf"));
+    let sky = folder.at("sky.hdr");
     std::fs::write(&sky, b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 99999999 +X 99999999\n")
         .unwrap();
     assert!(failed(&material, &["--environment", sky.to_str().unwrap()]).contains("sky.hdr"));

@@ -1,37 +1,17 @@
 //! The command as a user runs it: exit codes, messages, files.
 
+mod support;
+
 use std::{
     fs,
-    path::{Path, PathBuf},
+    path::Path,
     process::{Command, Output},
 };
 
 use serde_json::{Value, json};
+use support::{Folder, refused};
 
 const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/TwoRooms.glb");
-
-/// A folder of a test's own, removed at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(test: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("farlight-{test}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn write(&self, name: &str, text: &str) -> PathBuf {
-        let path = self.0.join(name);
-        fs::write(&path, text).unwrap();
-        path
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
 
 fn farlight(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_farlight")).args(arguments).output().unwrap()
@@ -42,13 +22,6 @@ fn bake(receivers: &Path, result: &Path, more: &[&str]) -> Output {
     arguments.extend([receivers.to_str().unwrap(), "--result", result.to_str().unwrap()]);
     arguments.extend(more);
     farlight(&arguments)
-}
-
-/// The message of a run that must fail.
-#[track_caller]
-fn refused(output: &Output) -> String {
-    assert!(!output.status.success(), "{output:?}");
-    String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 fn channels(value: &Value) -> Vec<f64> {
@@ -72,7 +45,7 @@ fn job() -> String {
 fn bake_answers_in_order_and_repeats_itself() {
     let folder = Folder::new("order");
     let receivers = folder.write("in.json", &job());
-    let result = folder.0.join("out.json");
+    let result = folder.at("out.json");
     let run = |more: &[&str]| {
         let output = bake(&receivers, &result, more);
         assert!(output.status.success(), "{output:?}");
@@ -103,7 +76,7 @@ fn bake_answers_in_order_and_repeats_itself() {
     }
     assert_eq!(out["visibility"], json!([1, 0]));
     // Nothing else is left behind.
-    assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 2);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
 }
 
 /// A constant sky outside of closed rooms changes nothing; at a point on the roof it is direct.
@@ -112,7 +85,7 @@ fn the_sky_is_direct_where_it_is_seen() {
     let folder = Folder::new("sky");
     let roof = json!({ "surface": [{ "position": [2.0, 50.0, 2.0], "normal": [0.0, 1.0, 0.0] }] });
     let receivers = folder.write("in.json", &roof.to_string());
-    let result = folder.0.join("out.json");
+    let result = folder.at("out.json");
     let output = bake(&receivers, &result, &["--samples", "64", "--sky", "1,2,0.5"]);
     assert!(output.status.success(), "{output:?}");
     let out: Value = serde_json::from_str(&fs::read_to_string(&result).unwrap()).unwrap();
@@ -128,7 +101,7 @@ fn range_window_and_scale() {
     let folder = Folder::new("range");
     let place = json!({ "surface": [{ "position": [8.0, 0.0, 4.8], "normal": [0.0, 1.0, 0.0] }] });
     let receivers = folder.write("in.json", &place.to_string());
-    let result = folder.0.join("out.json");
+    let result = folder.at("out.json");
     let direct = |more: &[&str]| {
         let mut arguments = vec!["--samples", "1", "--scale", "4"];
         arguments.extend(more);
@@ -153,9 +126,9 @@ fn range_window_and_scale() {
 fn errors_help() {
     let folder = Folder::new("errors");
     let good = folder.write("in.json", &job());
-    let result = folder.0.join("out.json");
+    let result = folder.at("out.json");
 
-    let missing = refused(&bake(&folder.0.join("none.json"), &result, &[]));
+    let missing = refused(&bake(&folder.at("none.json"), &result, &[]));
     assert!(missing.contains("none.json"), "{missing}");
     let syntax = folder.write("syntax.json", "{\n  \"surface\": [\n");
     let message = refused(&bake(&syntax, &result, &[]));
@@ -163,7 +136,7 @@ fn errors_help() {
     let light = folder.write("light.json", r#"{"visibility": [{"point": [0, 0, 0], "light": 1}]}"#);
     let message = refused(&bake(&light, &result, &[]));
     assert!(message.contains("light.json") && message.contains("visibility[0].light"), "{message}");
-    let message = refused(&bake(&good, &folder.0.join("no/such/out.json"), &["--samples", "1"]));
+    let message = refused(&bake(&good, &folder.at("no/such/out.json"), &["--samples", "1"]));
     assert!(message.contains("out.json"), "{message}");
     for bad in [["--sky", "1,2"], ["--scale", "0"], ["--samples", "0"], ["--seed", "x"]] {
         let message = refused(&bake(&good, &result, &bad));
@@ -176,7 +149,7 @@ fn errors_help() {
     assert!(message.contains("scene.glb"), "{message}");
     // No error leaves a result, or part of one.
     assert!(!result.exists());
-    let parts = fs::read_dir(&folder.0)
+    let parts = fs::read_dir(folder.path())
         .unwrap()
         .filter(|e| e.as_ref().unwrap().file_name().to_string_lossy().contains(".part"));
     assert_eq!(parts.count(), 0);

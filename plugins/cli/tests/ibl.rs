@@ -1,5 +1,7 @@
 //! `farlight ibl` as a user runs it.
 
+mod support;
+
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -8,45 +10,13 @@ use std::{
 
 use glam::Vec3;
 use serde_json::Value;
+use support::{Folder, refused, succeeded};
 
 const SKY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/environments/sky.hdr");
-
-/// A folder of a test's own, removed at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(test: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("farlight-ibl-{test}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn at(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
 
 fn ibl(command: &str, map: impl AsRef<Path>, arguments: &[&str]) -> Output {
     let mut farlight = Command::new(env!("CARGO_BIN_EXE_farlight"));
     farlight.args(["ibl", command]).arg(map.as_ref()).args(arguments).output().unwrap()
-}
-
-#[track_caller]
-fn succeeded(output: &Output) -> String {
-    assert!(output.status.success(), "{output:?}");
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
-#[track_caller]
-fn refused(output: &Output) -> String {
-    assert!(!output.status.success(), "{output:?}");
-    String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 /// Direction and irradiance of each light of a file.
@@ -169,7 +139,7 @@ fn what_is_wrong_is_said_and_nothing_is_written() {
     assert!(said.contains("sky.txt") && said.contains("OpenEXR (.exr)"), "{said}");
     assert!(refused(&ibl("lights", folder.at("none.hdr"), &out_option)).contains("none.hdr"));
     assert!(refused(&ibl("compare", SKY, &["--counts", "5,5000"])).contains("1 to 4096"));
-    assert!(fs::read_dir(&folder.0).unwrap().count() == 1, "only the text is there");
+    assert!(fs::read_dir(folder.path()).unwrap().count() == 1, "only the text is there");
 }
 
 #[test]

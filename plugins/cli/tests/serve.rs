@@ -6,6 +6,7 @@ mod client;
 mod light;
 #[path = "../../remote/server/examples/reconnect/scene.rs"]
 mod scene;
+mod support;
 
 use std::{
     fs,
@@ -24,36 +25,15 @@ use farlight_quic::QuicConnector;
 use farlight_wire::{CloseCode, Closed, Connector, Invitation, Limits, Token, Wake};
 use glam::Vec3;
 use light::assert_like_local;
+use support::Folder;
 
 /// Only a guard against waiting for ever.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A folder of a test's own, removed at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(test: &str) -> Self {
-        let path =
-            std::env::temp_dir().join(format!("farlight-serve-{test}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
 /// The command, with the folder's identity.
 fn serve(folder: &Folder, more: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_farlight"));
-    command.arg("serve").arg("--state").arg(folder.path("identity")).args(more);
+    command.arg("serve").arg("--state").arg(folder.at("identity")).args(more);
     command.env_remove("RUST_LOG").stdin(Stdio::null());
     command
 }
@@ -76,7 +56,7 @@ impl Server {
     }
 
     fn start_at(listen: &str, folder: &Folder, more: &[&str]) -> Self {
-        let log = folder.path("log");
+        let log = folder.at("log");
         let mut command = serve(folder, &["--listen", listen]);
         command.args(more).stdout(Stdio::piped()).stderr(fs::File::create(&log).unwrap());
         let mut child = command.spawn().unwrap();
@@ -231,7 +211,7 @@ fn a_server_killed_and_started_again_gets_the_scene_again() {
 fn the_invitation_is_there_while_the_server_is() {
     use std::os::unix::fs::PermissionsExt as _;
     let folder = Folder::new("invitation");
-    let [file, hashes] = ["invite", "hashes.json"].map(|name| folder.path(name));
+    let [file, hashes] = ["invite", "hashes.json"].map(|name| folder.at(name));
     let options = [
         "--invite-file",
         file.to_str().unwrap(),
@@ -272,7 +252,7 @@ fn the_invitation_is_there_while_the_server_is() {
 #[test]
 fn settings_come_from_a_file() {
     let folder = Folder::new("settings");
-    let config = folder.path("server.ron");
+    let config = folder.at("server.ron");
     let text = "ServerSettings(max_sessions: 1, public_host: \"::1\", max_page_size: 128)";
     fs::write(&config, text).unwrap();
     let server = Server::start(&folder, &["--config", config.to_str().unwrap()]);
@@ -286,17 +266,17 @@ fn settings_come_from_a_file() {
     assert!(why.contains('1'), "{why}");
 }
 
+/// The message of a run that must fail, and says nothing else.
 #[track_caller]
 fn refused(output: &Output) -> String {
-    assert!(!output.status.success(), "{output:?}");
     assert!(output.stdout.is_empty(), "{output:?}");
-    String::from_utf8_lossy(&output.stderr).into_owned()
+    support::refused(output)
 }
 
 #[test]
 fn errors_help() {
     let folder = Folder::new("errors");
-    let config = folder.path("server.ron");
+    let config = folder.at("server.ron");
     let with_config = |text: &str| {
         fs::write(&config, text).unwrap();
         refused(&run(&folder, &["--config", config.to_str().unwrap()]))
@@ -305,7 +285,7 @@ fn errors_help() {
     assert!(message.contains("server.ron:2") && message.contains("max_sessions"), "{message}");
     let message = with_config("ServerSettings(\n  max_session: 3,\n)");
     assert!(message.contains("server.ron:2") && message.contains("max_session"), "{message}");
-    let message = refused(&run(&folder, &["--config", folder.path("none.ron").to_str().unwrap()]));
+    let message = refused(&run(&folder, &["--config", folder.at("none.ron").to_str().unwrap()]));
     assert!(message.contains("none.ron"), "{message}");
     let message = refused(&run(&folder, &["--listen", "nowhere"]));
     assert!(message.contains("--listen"), "{message}");
@@ -319,17 +299,17 @@ fn errors_help() {
     let taken = format!("127.0.0.1:{}", server.invitation.port);
     let message = refused(&run(&folder, &["--listen", &taken]));
     assert!(message.contains(&taken) && message.contains("in use"), "{message}");
-    let missing = folder.path("no/such/invite");
+    let missing = folder.at("no/such/invite");
     let listen = ["--listen", "127.0.0.1:0", "--invite-file", missing.to_str().unwrap()];
     let message = refused(&run(&folder, &listen));
     assert!(message.contains("no/such/invite"), "{message}");
 
     let damaged = Folder::new("damaged");
-    fs::create_dir_all(damaged.path("identity")).unwrap();
-    fs::write(damaged.path("identity/token"), "short").unwrap();
+    fs::create_dir_all(damaged.at("identity")).unwrap();
+    fs::write(damaged.at("identity/token"), "short").unwrap();
     let message = refused(&run(&damaged, &["--listen", "127.0.0.1:0"]));
     assert!(message.contains("token") && message.contains("damaged"), "{message}");
-    assert_eq!(fs::read_to_string(damaged.path("identity/token")).unwrap(), "short");
+    assert_eq!(fs::read_to_string(damaged.at("identity/token")).unwrap(), "short");
 }
 
 #[test]
@@ -342,5 +322,5 @@ fn help_explains_invitations() {
     {
         assert!(text.contains(word), "{word}");
     }
-    assert!(!Path::new(&folder.path("identity")).exists(), "help makes nothing");
+    assert!(!Path::new(&folder.at("identity")).exists(), "help makes nothing");
 }
