@@ -7,7 +7,6 @@ mod support;
 use std::{sync::Arc, time::Duration};
 
 use bevy::{
-    camera::Exposure,
     core_pipeline::tonemapping::Tonemapping,
     prelude::*,
     render::settings::{WgpuLimits, WgpuSettings},
@@ -41,7 +40,7 @@ fn the_mean_colour_is_shown() {
         Camera3d::default(),
         Msaa::Off,
         Tonemapping::None,
-        Exposure { ev100: -(1.2_f32.log2()) },
+        support::linear::exposure(),
         Transform::from_xyz(0.0, 0.0, 2.0),
     ));
     let sun = Transform::from_xyz(0.0, 0.0, 1.0).looking_at(Vec3::ZERO, Vec3::Y);

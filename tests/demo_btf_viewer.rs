@@ -6,7 +6,7 @@ mod config;
 mod support;
 
 use std::{
-    path::{Path, PathBuf},
+    path::PathBuf,
     process::{Command, Output},
     thread,
 };
@@ -14,39 +14,13 @@ use std::{
 use config::{Material, Model, Rig, Shape, Viewer};
 use farlight::core::parse_ron;
 use farlight_btf_codec::synthetic;
-use support::headless::Picture;
+use support::{
+    example::{difference, load, program, words},
+    headless::Picture,
+};
 
-/// The built example, which lies beside the tests: `cargo test` builds both.
 fn viewer(arguments: &[&str]) -> Output {
-    let test = std::env::current_exe().unwrap();
-    let folder = test.parent().and_then(|deps| deps.parent()).unwrap();
-    let program =
-        folder.join("examples").join(format!("btf_viewer{}", std::env::consts::EXE_SUFFIX));
-    assert!(
-        program.exists(),
-        "{} is missing: `cargo build --workspace --example btf_viewer` makes it",
-        program.display()
-    );
-    Command::new(program).args(arguments).output().unwrap()
-}
-
-fn words(output: &Output) -> String {
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    text(&output.stdout) + &text(&output.stderr)
-}
-
-fn load(path: &Path) -> Picture {
-    let image = image::open(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-    let image = image.into_rgb8();
-    let pixels = image.pixels().map(|p| p.0).collect();
-    Picture { width: image.width(), height: image.height(), pixels }
-}
-
-/// Mean difference a channel, 0..=255.
-fn difference(a: &Picture, b: &Picture) -> f64 {
-    let pairs = a.pixels.as_flattened().iter().zip(b.pixels.as_flattened());
-    let sum: u64 = pairs.map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
-    sum as f64 / (a.pixels.len() * 3) as f64
+    Command::new(program("btf_viewer")).args(arguments).output().unwrap()
 }
 
 /// A material file: bright, without a direction of its own.
@@ -67,12 +41,12 @@ fn turntable(name: &str, more: &[&str]) -> Vec<Picture> {
     let arguments = [&arguments[..], &["--material", &material]].concat();
     let run = viewer(&[&arguments[..], more].concat());
     assert!(run.status.success(), "{name}: {}", words(&run));
-    let pictures: Vec<_> = (0..4).map(|i| load(&out.join(format!("frame_{i:03}.png")))).collect();
+    let pictures: Vec<_> = (0..4).map(|i| load(out.join(format!("frame_{i:03}.png")))).collect();
     for picture in &pictures {
         assert_eq!((picture.width, picture.height), (96, 72));
         assert_eq!(picture.problem(), None);
     }
-    let sheet = load(&out.join("contact.png"));
+    let sheet = load(out.join("contact.png"));
     assert_eq!((sheet.width, sheet.height), (4 * 96, 72));
     pictures
 }

@@ -2,30 +2,12 @@
 
 mod support;
 
-use std::{path::PathBuf, process::Command};
+use std::process::Command;
 
-use support::headless::Picture;
-
-/// The built example, which lies beside the tests: `cargo test` builds both.
-fn local_room() -> PathBuf {
-    let test = std::env::current_exe().unwrap();
-    let folder = test.parent().and_then(|deps| deps.parent()).unwrap();
-    let program =
-        folder.join("examples").join(format!("local_room{}", std::env::consts::EXE_SUFFIX));
-    assert!(
-        program.exists(),
-        "{} is missing: `cargo build --workspace --example local_room` makes it",
-        program.display()
-    );
-    program
-}
-
-fn load(path: PathBuf) -> Picture {
-    let image =
-        image::open(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display())).into_rgb8();
-    let pixels = image.pixels().map(|p| p.0).collect();
-    Picture { width: image.width(), height: image.height(), pixels }
-}
+use support::{
+    example::{load, program},
+    headless::Picture,
+};
 
 /// Mean brightness of the right third: a wall of the dark room that no lamp shines on.
 fn dark_room(picture: &Picture) -> f64 {
@@ -39,7 +21,7 @@ fn dark_room(picture: &Picture) -> f64 {
 fn a_short_run_writes_pictures_and_a_report() {
     let out = support::scratch("demo");
     let _ = std::fs::remove_dir_all(&out);
-    let run = Command::new(local_room())
+    let run = Command::new(program("local_room"))
         .args(["--headless", "--frames", "24", "--size", "96x54", "--samples", "64"])
         .args(["--lightmap", "64", "--out"])
         .arg(&out)
@@ -88,10 +70,10 @@ fn a_short_run_writes_pictures_and_a_report() {
 
 #[test]
 fn a_wrong_command_line_is_refused() {
-    let run = Command::new(local_room()).args(["--size", "huge"]).output().unwrap();
+    let run = Command::new(program("local_room")).args(["--size", "huge"]).output().unwrap();
     assert_eq!(run.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&run.stderr).contains("--size huge"));
-    let help = Command::new(local_room()).arg("--help").output().unwrap();
+    let help = Command::new(program("local_room")).arg("--help").output().unwrap();
     assert!(help.status.success());
     assert!(String::from_utf8_lossy(&help.stdout).contains("report.json"));
 }

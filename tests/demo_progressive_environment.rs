@@ -3,44 +3,17 @@
 mod support;
 
 use std::{
-    path::{Path, PathBuf},
+    path::PathBuf,
     process::{Command, Output},
 };
 
-use support::headless::Picture;
+use support::{
+    example::{difference, load, program, words},
+    headless::Picture,
+};
 
-/// The built example, which lies beside the tests: `cargo test` builds both.
 fn example(arguments: &[&str]) -> Output {
-    let test = std::env::current_exe().unwrap();
-    let folder = test.parent().and_then(|deps| deps.parent()).unwrap();
-    let name = format!("progressive_environment{}", std::env::consts::EXE_SUFFIX);
-    let program = folder.join("examples").join(name);
-    assert!(
-        program.exists(),
-        "{} is missing: `cargo build --workspace --example progressive_environment` makes it",
-        program.display()
-    );
-    Command::new(program).args(arguments).output().unwrap()
-}
-
-fn words(output: &Output) -> String {
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    text(&output.stdout) + &text(&output.stderr)
-}
-
-fn load(path: &Path) -> Picture {
-    let image = image::open(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-    let image = image.into_rgb8();
-    let pixels = image.pixels().map(|p| p.0).collect();
-    Picture { width: image.width(), height: image.height(), pixels }
-}
-
-/// Mean difference a channel, 0..=255.
-fn difference(a: &Picture, b: &Picture) -> f64 {
-    assert_eq!((a.width, a.height), (b.width, b.height));
-    let pairs = a.pixels.as_flattened().iter().zip(b.pixels.as_flattened());
-    let sum: u64 = pairs.map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
-    sum as f64 / (a.pixels.len() * 3) as f64
+    Command::new(program("progressive_environment")).args(arguments).output().unwrap()
 }
 
 /// One of the strip's pictures.
@@ -68,7 +41,7 @@ fn pictures_become_better_and_stay_so_in_motion() {
         .concat(),
     );
     assert!(run.status.success(), "{}", words(&run));
-    let picture = |name: &str| load(&out.join(name));
+    let picture = |name: &str| load(out.join(name));
     let refined = picture("evening-refined.png");
     assert_eq!((refined.width, refined.height), (160, 90));
     assert_eq!(refined.problem(), None);
@@ -104,7 +77,7 @@ fn a_turn_is_recorded() {
         .concat(),
     );
     assert!(run.status.success(), "{}", words(&run));
-    let [front, back] = [0, 1].map(|i| load(&out.join(format!("turn_{i:03}.png"))));
+    let [front, back] = [0, 1].map(|i| load(out.join(format!("turn_{i:03}.png"))));
     assert!(difference(&front, &back) > 5.0, "the other side is another picture");
 }
 

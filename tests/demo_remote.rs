@@ -5,23 +5,10 @@
 mod server;
 mod support;
 
-use std::{path::PathBuf, process::Command};
+use std::process::Command;
 
 use server::ServerProcess;
-
-/// The built example, which lies beside the tests: `cargo test` builds both.
-fn remote_room() -> PathBuf {
-    let test = std::env::current_exe().unwrap();
-    let folder = test.parent().and_then(|deps| deps.parent()).unwrap();
-    let program =
-        folder.join("examples").join(format!("remote_room{}", std::env::consts::EXE_SUFFIX));
-    assert!(
-        program.exists(),
-        "{} is missing: `cargo build --workspace --example remote_room` makes it",
-        program.display()
-    );
-    program
-}
+use support::example::program;
 
 #[test]
 fn a_short_run_is_lit_by_the_server() {
@@ -29,7 +16,7 @@ fn a_short_run_is_lit_by_the_server() {
     let _ = std::fs::remove_dir_all(&folder);
     let server = ServerProcess::start(&folder.join("server"), 0);
     let out = folder.join("pictures");
-    let run = Command::new(remote_room())
+    let run = Command::new(program("remote_room"))
         .args(["--server", &server.invitation(), "--headless", "--frames", "24"])
         .args(["--size", "96x54", "--samples", "16", "--lightmap", "64", "--out"])
         .arg(&out)
@@ -71,7 +58,7 @@ fn a_short_run_is_lit_by_the_server() {
 #[test]
 fn a_server_must_be_named_and_be_one() {
     let fails = |arguments: &[&str]| {
-        let run = Command::new(remote_room()).args(arguments).output().unwrap();
+        let run = Command::new(program("remote_room")).args(arguments).output().unwrap();
         (run.status.code(), String::from_utf8_lossy(&run.stderr).into_owned())
     };
     let (code, words) = fails(&["--headless", "--out", "x"]);

@@ -9,26 +9,21 @@ mod lambert;
 mod orientation;
 mod scenes;
 
-use std::{
-    sync::{Arc, Mutex},
-    time::Duration,
-};
+use std::{sync::Arc, time::Duration};
 
 use bevy::{
-    camera::{Exposure, Hdr, RenderTarget},
+    camera::{Hdr, RenderTarget},
     core_pipeline::tonemapping::Tonemapping,
     prelude::*,
-    render::{
-        gpu_readback::{Readback, ReadbackComplete},
-        render_resource::{TextureFormat, TextureUsages},
-    },
 };
 use farlight::{
     btf::{BtfStatus, codec::Btf, codec::synthetic},
     prelude::*,
 };
-use half::f16;
-use support::headless::{Headless, Picture};
+use support::{
+    headless::{Headless, Picture},
+    linear,
+};
 
 /// Edge of a picture in pixels; rows of half floats are then 256 bytes and more, without padding.
 const SIZE: u32 = 64;
@@ -58,9 +53,7 @@ impl Stage {
 
     fn of(mut headless: Headless) -> Self {
         headless.set_frame_time(Duration::from_millis(16));
-        let mut image = Image::new_target_texture(SIZE, SIZE, TextureFormat::Rgba16Float, None);
-        image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
-        let floats = headless.app.world_mut().resource_mut::<Assets<Image>>().add(image);
+        let floats = linear::target(&mut headless.app, UVec2::splat(SIZE));
         Self { headless, floats }
     }
 
@@ -88,8 +81,7 @@ impl Stage {
             projection,
             Msaa::Off,
             Tonemapping::None,
-            // Exposure is 1 / (1.2 * 2^ev100).
-            Exposure { ev100: -(1.2_f32.log2()) },
+            linear::exposure(),
             Transform::from_translation(from).looking_at(to, up),
         ))
     }
@@ -155,28 +147,7 @@ impl Stage {
 
     /// What the float camera sees: linear light, rows from the top.
     fn floats(&mut self) -> Vec<Vec3> {
-        let slot = Arc::new(Mutex::new(Vec::new()));
-        let filled = slot.clone();
-        let readback = Readback::texture(self.floats.clone());
-        let reader = self
-            .world()
-            .spawn(readback)
-            .observe(move |event: On<ReadbackComplete>| {
-                *filled.lock().unwrap() = event.data.clone();
-            })
-            .id();
-        // The first answers are of frames before.
-        for _ in 0..8 {
-            self.headless.update().unwrap_or_else(|problem| panic!("{problem}"));
-        }
-        self.world().entity_mut(reader).despawn();
-        let bytes = slot.lock().unwrap().clone();
-        assert_eq!(bytes.len(), (SIZE * SIZE * 8) as usize, "no answer of the GPU");
-        let half = |bytes: &[u8]| f16::from_le_bytes([bytes[0], bytes[1]]).to_f32();
-        bytes
-            .chunks_exact(8)
-            .map(|pixel| Vec3::new(half(pixel), half(&pixel[2..]), half(&pixel[4..])))
-            .collect()
+        linear::read(&mut self.headless, &[&self.floats]).remove(0)
     }
 
     fn save(&self, picture: &Picture, name: &str) {

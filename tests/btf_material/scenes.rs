@@ -10,8 +10,9 @@ use bevy::{
     },
     light::{IrradianceVolume, LightProbe, NotShadowCaster},
     pbr::{Lightmap, ScreenSpaceAmbientOcclusion},
-    render::render_resource::{Extent3d, TextureDimension},
+    render::render_resource::{Extent3d, TextureDimension, TextureFormat},
 };
+use half::f16;
 
 use crate::support::flip;
 use crate::*;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use bevy::{camera::Exposure, core_pipeline::tonemapping::Tonemapping, pbr::Lightmap, prelude::*};
+use bevy::{core_pipeline::tonemapping::Tonemapping, pbr::Lightmap, prelude::*};
 use farlight::{
     core::LightingChanged,
     gi::{ExtractedScene, solver::atlas::TexelRect},
@@ -48,8 +48,7 @@ impl Stage {
         });
         let mut headless = headless.unwrap_or_else(|problem| panic!("{problem}"));
         headless.set_frame_time(Duration::from_millis(16));
-        // Exposure is 1 / (1.2 * 2^ev100).
-        let exposure = Exposure { ev100: -(1.2_f32.log2()) };
+        let exposure = crate::support::linear::exposure();
         let camera = headless
             .app
             .world_mut()

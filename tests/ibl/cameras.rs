@@ -51,10 +51,10 @@ fn a_camera_that_does_not_refine_sees_nothing_of_it() {
         stage.world().entity_mut(plain).insert(layers);
         stage.world().resource_mut::<ProgressiveLighting>().enabled = false;
         stage.update();
-        let without = stage.read(&map, UVec2::splat(SIZE));
+        let without = stage.read(&map);
         stage.world().resource_mut::<ProgressiveLighting>().enabled = true;
         stage.shine(5);
-        let with = stage.read(&map, UVec2::splat(SIZE));
+        let with = stage.read(&map);
         save(&with, "minimap");
         assert!(with.iter().any(|pixel| pixel.max_element() > 0.05), "not black");
         assert_eq!(Stage::apart(&without, &with), 0.0);
@@ -77,7 +77,7 @@ fn shadows_fall_where_their_casters_are_seen() {
             stage.world().entity_mut(second).insert((ProgressiveCamera::default(), layers));
             stage.refine(second);
             stage.refine(camera);
-            (stage.floats(), stage.read(&other, UVec2::splat(SIZE)))
+            (stage.floats(), stage.read(&other))
         } else {
             stage.refine(camera);
             let picture = stage.floats();
@@ -102,7 +102,7 @@ fn each_of_several_cameras_refines_to_what_it_sees_alone() {
         let camera = stage.plain_camera(&target, eye, TO);
         stage.world().entity_mut(camera).insert(ProgressiveCamera::default());
         stage.refine(camera);
-        stage.read(&target, half)
+        stage.read(&target)
     });
     // A split screen, and an image of its own for the second eye.
     for split in [true, false] {
@@ -131,7 +131,7 @@ fn each_of_several_cameras_refines_to_what_it_sees_alone() {
         stage.refine(cameras[0]);
         stage.refine(cameras[1]);
         let pictures: Vec<Vec<Vec3>> = if split {
-            let both = stage.read(&image, UVec2::splat(SIZE));
+            let both = stage.read(&image);
             save(&both, "split");
             let side = |side: u32| {
                 let inside = |i: &usize| (*i as u32 % SIZE) / half.x == side;
@@ -139,7 +139,7 @@ fn each_of_several_cameras_refines_to_what_it_sees_alone() {
             };
             vec![side(0), side(1)]
         } else {
-            vec![stage.read(&image, half), stage.read(&other, half)]
+            vec![stage.read(&image), stage.read(&other)]
         };
         for (i, picture) in pictures.iter().enumerate() {
             let apart = Stage::apart(picture, &alone[i]);
@@ -148,7 +148,7 @@ fn each_of_several_cameras_refines_to_what_it_sees_alone() {
             assert!(apart < 4e-3, "camera {i}, split {split}: {apart}");
         }
         // One moves, the other rests.
-        let before = if split { None } else { Some(stage.read(&image, half)) };
+        let before = if split { None } else { Some(stage.read(&image)) };
         for step in 0..6 {
             let mut moved = stage.world().get_mut::<Transform>(cameras[1]).unwrap();
             moved.translation.x += 0.01 * (step + 1) as f32;
@@ -158,7 +158,7 @@ fn each_of_several_cameras_refines_to_what_it_sees_alone() {
             assert!(!world.get::<Refinement>(cameras[1]).unwrap().is_refined(), "it moves");
         }
         if let Some(before) = before {
-            assert_eq!(Stage::apart(&before, &stage.read(&image, half)), 0.0);
+            assert_eq!(Stage::apart(&before, &stage.read(&image)), 0.0);
         }
     }
 }
@@ -177,7 +177,7 @@ fn another_size_is_another_picture() {
             stage.update();
             stage.update();
             stage.refine(camera);
-            picture = stage.read(&target, *size);
+            picture = stage.read(&target);
         }
         picture
     };

@@ -10,7 +10,6 @@ use farlight::{
     ibl::environment_maps::{Environment, Layout},
     prelude::*,
 };
-use half::f16;
 
 use crate::{
     stage::{Stage, save},
@@ -104,13 +103,11 @@ fn brightness_never_jumps() {
     let (mut stage, camera) = scene(default());
     stage.refine(camera);
     let refined: f32 = stage.floats().iter().map(|v| v.element_sum()).sum();
-    let means = Arc::new(Mutex::new(Vec::new()));
+    let means = Arc::new(Mutex::new(Vec::<f32>::new()));
     let all = means.clone();
     let readback = Readback::texture(stage.floats.clone());
     stage.world().spawn(readback).observe(move |event: On<ReadbackComplete>| {
-        let half = |bytes: &[u8]| f16::from_le_bytes([bytes[0], bytes[1]]).to_f32();
-        let pixels = event.data.chunks_exact(8);
-        let sum: f32 = pixels.map(|p| half(p) + half(&p[2..]) + half(&p[4..])).sum();
+        let sum = support::linear::texels(&event.data).iter().map(|v| v.element_sum()).sum();
         all.lock().unwrap().push(sum);
     });
     // It rests, the head moves for a while, and rests again.

@@ -1,27 +1,17 @@
 //! A renderer with a scene under an environment.
 
-use std::{
-    sync::{Arc, Mutex},
-    time::Duration,
-};
+use std::{sync::Arc, time::Duration};
 
 use bevy::{
-    camera::{Exposure, Hdr, RenderTarget},
-    core_pipeline::tonemapping::{DebandDither, Tonemapping},
     light::{DirectionalLightShadowMap, PointLightShadowMap},
     prelude::*,
-    render::{
-        gpu_readback::{Readback, ReadbackComplete},
-        render_resource::{TextureFormat, TextureUsages},
-    },
 };
 use farlight::{
     ibl::{EnvironmentState, environment_maps::Environment},
     prelude::*,
 };
-use half::f16;
 
-use crate::support::{self, headless::Headless};
+use crate::support::{self, headless::Headless, linear};
 
 /// Edge of a picture in pixels; rows of half floats are then 256 bytes and more, without padding.
 pub(crate) const SIZE: u32 = 64;
@@ -60,10 +50,7 @@ impl Stage {
 
     /// An image that cameras may draw into.
     pub(crate) fn target(&mut self, size: UVec2) -> Handle<Image> {
-        let format = TextureFormat::Rgba16Float;
-        let mut image = Image::new_target_texture(size.x, size.y, format, None);
-        image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
-        self.world().resource_mut::<Assets<Image>>().add(image)
+        linear::target(&mut self.headless.app, size)
     }
 
     /// A refining camera at `from` that looks at `to`.
@@ -76,17 +63,8 @@ impl Stage {
 
     /// A camera that doesn't refine.
     pub(crate) fn plain_camera(&mut self, target: &Handle<Image>, from: Vec3, to: Vec3) -> Entity {
-        self.spawn((
-            Camera3d::default(),
-            Hdr,
-            Msaa::Off,
-            RenderTarget::from(target.clone()),
-            Tonemapping::None,
-            DebandDither::Disabled,
-            // Exposure is 1 / (1.2 * 2^ev100).
-            Exposure { ev100: -(1.2_f32.log2()) },
-            Transform::from_translation(from).looking_at(to, Vec3::Y),
-        ))
+        let place = Transform::from_translation(from).looking_at(to, Vec3::Y);
+        self.spawn((linear::camera(target), place))
     }
 
     pub(crate) fn mesh(&mut self, mesh: impl Into<Mesh>) -> Mesh3d {
@@ -169,33 +147,12 @@ impl Stage {
     /// What the camera sees in the next frames, the last of them: linear light, rows from the top.
     pub(crate) fn floats(&mut self) -> Vec<Vec3> {
         let image = self.floats.clone();
-        self.read(&image, UVec2::splat(SIZE))
+        self.read(&image)
     }
 
-    /// The same of another image whose rows are multiples of 256 bytes.
-    pub(crate) fn read(&mut self, image: &Handle<Image>, size: UVec2) -> Vec<Vec3> {
-        let slot = Arc::new(Mutex::new(Vec::new()));
-        let filled = slot.clone();
-        let readback = Readback::texture(image.clone());
-        let reader = self
-            .world()
-            .spawn(readback)
-            .observe(move |event: On<ReadbackComplete>| {
-                *filled.lock().unwrap() = event.data.clone();
-            })
-            .id();
-        // The first answers are of frames before.
-        for _ in 0..8 {
-            self.update();
-        }
-        self.world().entity_mut(reader).despawn();
-        let bytes = slot.lock().unwrap().clone();
-        assert_eq!(bytes.len(), (size.element_product() * 8) as usize, "no answer of the GPU");
-        let half = |bytes: &[u8]| f16::from_le_bytes([bytes[0], bytes[1]]).to_f32();
-        bytes
-            .chunks_exact(8)
-            .map(|pixel| Vec3::new(half(pixel), half(&pixel[2..]), half(&pixel[4..])))
-            .collect()
+    /// The same of another image.
+    pub(crate) fn read(&mut self, image: &Handle<Image>) -> Vec<Vec3> {
+        linear::read(&mut self.headless, &[image]).remove(0)
     }
 }
 

@@ -18,7 +18,7 @@ use farlight::{
     btf::{BtfStatus, codec::synthetic},
     prelude::*,
 };
-use support::{ball::Ball, headless::Headless, linear::LinearTarget, shading::Surface};
+use support::{ball::Ball, headless::Headless, linear, shading::Surface};
 
 /// Edge of a picture in pixels.
 const SIZE: u32 = 64;
@@ -33,7 +33,7 @@ struct Stage {
 /// A ball and its picture.
 struct Stand {
     surface: Surface,
-    target: LinearTarget,
+    target: Handle<Image>,
     camera: Entity,
 }
 
@@ -56,8 +56,8 @@ impl Stage {
         let mut stage = Self { headless, ball, stands: Vec::new() };
         for (i, &surface) in (0_u8..).zip(surfaces) {
             let place = Vec3::X * Self::APART * f32::from(i);
-            let target = LinearTarget::new(&mut stage.headless.app, SIZE);
-            let eye = (target.camera(), ball.projection(), ball.pose_at(place));
+            let target = linear::target(&mut stage.headless.app, UVec2::splat(SIZE));
+            let eye = (linear::camera(&target), ball.projection(), ball.pose_at(place));
             let camera = stage.world().spawn(eye).id();
             let object = (Mesh3d(mesh.clone()), Transform::from_translation(place));
             let object = stage.world().spawn(object).id();
@@ -95,7 +95,7 @@ impl Stage {
     /// What each camera sees.
     fn pictures(&mut self) -> Vec<Vec<DVec3>> {
         let targets: Vec<_> = self.stands.iter().map(|stand| &stand.target).collect();
-        let pictures = LinearTarget::read(&targets, &mut self.headless);
+        let pictures = linear::read(&mut self.headless, &targets);
         pictures
             .into_iter()
             .map(|pixels| pixels.into_iter().map(Vec3::as_dvec3).collect())

@@ -1,4 +1,4 @@
-//! Pictures in linear light, without tone mapping.
+//! Pictures in linear light, without tone mapping: images of half floats that cameras draw into.
 
 use std::sync::{Arc, Mutex};
 
@@ -15,71 +15,75 @@ use half::f16;
 
 use super::headless::Headless;
 
-/// An image of half floats that a camera draws into.
-#[derive(Clone)]
-pub struct LinearTarget {
-    image: Handle<Image>,
-    size: u32,
+/// Bytes of a pixel.
+const PIXEL: usize = 8;
+
+/// An image that cameras may draw into.
+///
+/// # Panics
+/// If rows are not multiples of 256 bytes: `size.x` is a multiple of 32.
+pub fn target(app: &mut App, size: UVec2) -> Handle<Image> {
+    assert_eq!(size.x % 32, 0, "rows would be padded");
+    let mut image = Image::new_target_texture(size.x, size.y, TextureFormat::Rgba16Float, None);
+    image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+    app.world_mut().resource_mut::<Assets<Image>>().add(image)
 }
 
-impl LinearTarget {
-    /// A square of `size` pixels.
-    ///
-    /// # Panics
-    /// If rows are not multiples of 256 bytes: `size` is a multiple of 32.
-    pub fn new(app: &mut App, size: u32) -> Self {
-        assert_eq!(size % 32, 0, "rows would be padded");
-        let mut image = Image::new_target_texture(size, size, TextureFormat::Rgba16Float, None);
-        image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
-        Self { image: app.world_mut().resource_mut::<Assets<Image>>().add(image), size }
-    }
+/// What makes a camera draw into it with exposure 1: a value of 1 is 1 cd/m².
+pub fn camera(target: &Handle<Image>) -> impl Bundle {
+    (
+        Camera3d::default(),
+        Hdr,
+        Msaa::Off,
+        Tonemapping::None,
+        DebandDither::Disabled,
+        exposure(),
+        RenderTarget::from(target.clone()),
+    )
+}
 
-    /// What makes a camera draw into it with exposure 1: a value of 1 is 1 cd/m².
-    pub fn camera(&self) -> impl Bundle {
-        (
-            Camera3d::default(),
-            Hdr,
-            Msaa::Off,
-            Tonemapping::None,
-            DebandDither::Disabled,
-            // Exposure is 1 / (1.2 * 2^ev100).
-            Exposure { ev100: -(1.2_f32.log2()) },
-            RenderTarget::from(self.image.clone()),
-        )
-    }
+/// Exposure 1, which is 1 / (1.2 * 2^ev100).
+pub fn exposure() -> Exposure {
+    Exposure { ev100: -(1.2_f32.log2()) }
+}
 
-    /// What is in each after some frames more, rows from the top.
-    ///
-    /// # Panics
-    /// If the GPU does not answer.
-    pub fn read(targets: &[&Self], headless: &mut Headless) -> Vec<Vec<Vec3>> {
-        let readers: Vec<_> = targets
-            .iter()
-            .map(|target| {
-                let slot = Arc::new(Mutex::new(Vec::new()));
-                let filled = slot.clone();
-                let readback = Readback::texture(target.image.clone());
-                let mut reader = headless.app.world_mut().spawn(readback);
-                reader.observe(move |event: On<ReadbackComplete>| {
-                    filled.lock().unwrap().clone_from(&event.data);
-                });
-                (reader.id(), slot)
-            })
-            .collect();
-        // The first answers are of frames before.
-        for _ in 0..8 {
-            headless.update().unwrap_or_else(|problem| panic!("{problem}"));
-        }
-        let half = |bytes: &[u8]| f16::from_le_bytes([bytes[0], bytes[1]]).to_f32();
-        let mut pictures = Vec::new();
-        for (target, (reader, slot)) in targets.iter().zip(readers) {
-            headless.app.world_mut().entity_mut(reader).despawn();
-            let bytes = slot.lock().unwrap().clone();
-            let pixels = (target.size * target.size) as usize;
-            assert_eq!(bytes.len(), pixels * 8, "no answer of {}", headless.adapter());
-            let pixel = |p: &[u8]| Vec3::new(half(p), half(&p[2..]), half(&p[4..]));
-            pictures.push(bytes.chunks_exact(8).map(pixel).collect());
-        }
-        pictures
+/// What is in each image after some frames more, rows from the top.
+///
+/// # Panics
+/// If the GPU does not answer.
+pub fn read(headless: &mut Headless, targets: &[&Handle<Image>]) -> Vec<Vec<Vec3>> {
+    let readers: Vec<_> = targets
+        .iter()
+        .map(|target| {
+            let slot = Arc::new(Mutex::new(Vec::new()));
+            let filled = slot.clone();
+            let mut reader = headless.app.world_mut().spawn(Readback::texture((*target).clone()));
+            reader.observe(move |event: On<ReadbackComplete>| {
+                filled.lock().unwrap().clone_from(&event.data);
+            });
+            (reader.id(), slot)
+        })
+        .collect();
+    // The first answers are of frames before.
+    for _ in 0..8 {
+        headless.update().unwrap_or_else(|problem| panic!("{problem}"));
     }
+    let mut pictures = Vec::new();
+    for (target, (reader, slot)) in targets.iter().zip(readers) {
+        let world = headless.app.world_mut();
+        world.entity_mut(reader).despawn();
+        let size = world.resource::<Assets<Image>>().get(*target).unwrap().size();
+        let bytes = slot.lock().unwrap();
+        let expected = size.element_product() as usize * PIXEL;
+        assert_eq!(bytes.len(), expected, "no answer of {}", headless.adapter());
+        pictures.push(texels(&bytes));
+    }
+    pictures
+}
+
+/// The colours of an answer of the GPU.
+pub fn texels(bytes: &[u8]) -> Vec<Vec3> {
+    let half = |bytes: &[u8]| f16::from_le_bytes([bytes[0], bytes[1]]).to_f32();
+    let texel = |p: &[u8]| Vec3::new(half(p), half(&p[2..]), half(&p[4..]));
+    bytes.chunks_exact(PIXEL).map(texel).collect()
 }

@@ -3,6 +3,7 @@
 
 pub mod ball;
 pub mod cornell;
+pub mod example;
 pub mod flip;
 #[path = "../../examples/common/headless.rs"]
 pub mod headless;
