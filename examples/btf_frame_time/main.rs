@@ -4,22 +4,19 @@
 //! All subjects take turns, frame by frame, so that whatever else the machine does meets each of
 //! them alike. A frame lasts until the device has drawn it.
 
+#[path = "../common/frame_time.rs"]
+#[expect(dead_code, unreachable_pub, reason = "what the examples share")]
+mod frame_time;
 #[path = "../common/headless.rs"]
 #[expect(dead_code, unreachable_pub, reason = "what the examples and tests share")]
 mod headless;
 mod options;
 mod scene;
 
-use std::{
-    process::ExitCode,
-    time::{Duration, Instant},
-};
+use std::{process::ExitCode, time::Duration};
 
-use bevy::{
-    prelude::*,
-    render::{render_resource::PollType, renderer::RenderDevice},
-};
 use farlight::btf::BtfPlugin;
+use frame_time::{FrameOptions, frame};
 use headless::Headless;
 use options::Options;
 use scene::{LIGHTS, Subject};
@@ -74,7 +71,7 @@ fn run(options: &Options) -> Result<(), String> {
         scene::show(headless.app.world_mut(), subject, 1);
         headless.capture_still()?;
     }
-    if let Some(folder) = &options.out {
+    if let Some(folder) = &options.frames.out {
         for lights in LIGHTS {
             for subject in Subject::ALL {
                 scene::show(headless.app.world_mut(), subject, lights);
@@ -89,14 +86,14 @@ fn run(options: &Options) -> Result<(), String> {
 
     // One list of times for each number of lights and subject.
     let mut times = vec![Vec::new(); LIGHTS.len() * Subject::ALL.len()];
-    for round in 0..=options.rounds {
+    for round in 0..=options.frames.rounds {
         for (at, times) in times.iter_mut().enumerate() {
             let lights = LIGHTS[at / Subject::ALL.len()];
             scene::show(headless.app.world_mut(), Subject::ALL[at % Subject::ALL.len()], lights);
             for _ in 0..SETTLE {
                 frame(&mut headless)?;
             }
-            let time = frame(&mut headless)?;
+            let time = frame(&mut headless)?.wall;
             // In the first round drivers compile.
             if round > 0 {
                 times.push(time);
@@ -108,33 +105,14 @@ fn run(options: &Options) -> Result<(), String> {
         material,
         width: options.size.x,
         height: options.size.y,
-        rows: rows(times, options.fastest),
+        rows: rows(times, &options.frames),
     };
     print(&report);
-    if let Some(path) = &options.json {
-        let text = serde_json::to_string_pretty(&report).map_err(|error| error.to_string())?;
-        std::fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()))?;
-    }
-    Ok(())
+    options.frames.write(&report)
 }
 
-/// Draws a frame, to the end.
-fn frame(headless: &mut Headless) -> Result<Duration, String> {
-    let start = Instant::now();
-    headless.update()?;
-    let device = headless.app.world().resource::<RenderDevice>();
-    device.poll(PollType::wait_indefinitely()).map_err(|error| error.to_string())?;
-    Ok(start.elapsed())
-}
-
-fn rows(times: Vec<Vec<Duration>>, fastest: bool) -> Vec<Row> {
-    let times: Vec<f64> = times
-        .into_iter()
-        .map(|mut times| {
-            times.sort();
-            times[if fastest { 0 } else { times.len() / 2 }].as_secs_f64() * 1e3
-        })
-        .collect();
+fn rows(times: Vec<Vec<Duration>>, options: &FrameOptions) -> Vec<Row> {
+    let times: Vec<f64> = times.into_iter().map(|times| options.counts(times)).collect();
     let mut rows = Vec::new();
     for (lights, times) in LIGHTS.into_iter().zip(times.chunks(Subject::ALL.len())) {
         let [nothing, standard] = [times[0], times[1]];

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use bevy::math::UVec2;
 
+use crate::frame_time::{self, FrameOptions};
+
 const HELP: &str = "\
 How long a frame takes when a measured material fills the screen, beside StandardMaterial.
 
@@ -24,22 +26,13 @@ OPTIONS
 pub(crate) struct Options {
     pub(crate) material: Option<PathBuf>,
     pub(crate) size: UVec2,
-    pub(crate) rounds: usize,
-    pub(crate) fastest: bool,
-    pub(crate) json: Option<PathBuf>,
-    pub(crate) out: Option<PathBuf>,
+    pub(crate) frames: FrameOptions,
 }
 
 impl Options {
     pub(crate) fn from_args() -> Result<Self, String> {
-        let mut options = Self {
-            material: None,
-            size: UVec2::splat(256),
-            rounds: 15,
-            fastest: false,
-            json: None,
-            out: None,
-        };
+        let mut options =
+            Self { material: None, size: UVec2::splat(256), frames: FrameOptions::new(15) };
         let mut args = std::env::args().skip(1);
         while let Some(arg) = args.next() {
             let mut value = || args.next().ok_or(format!("{arg} needs a value"));
@@ -48,26 +41,12 @@ impl Options {
                     print!("{HELP}");
                     std::process::exit(0);
                 }
-                "--size" => options.size = size(&value()?)?,
-                "--rounds" => {
-                    let text = value()?;
-                    let rounds = text.parse().ok().filter(|rounds| (1..=100_000).contains(rounds));
-                    options.rounds = rounds.ok_or(format!("--rounds: not '{text}'"))?;
-                }
-                "--fastest" => options.fastest = true,
-                "--json" => options.json = Some(value()?.into()),
-                "--out" => options.out = Some(value()?.into()),
+                "--size" => options.size = frame_time::size(&value()?)?,
+                _ if options.frames.take(&arg, &mut value)? => {}
                 _ if arg.starts_with('-') => return Err(format!("unknown argument {arg}")),
                 _ => options.material = Some(arg.into()),
             }
         }
         Ok(options)
     }
-}
-
-fn size(text: &str) -> Result<UVec2, String> {
-    let side = |text: &str| text.parse().ok().filter(|side| (16..=4096).contains(side));
-    text.split_once('x')
-        .and_then(|(width, height)| Some(UVec2::new(side(width)?, side(height)?)))
-        .ok_or(format!("--size needs WIDTHxHEIGHT, 16 to 4096 a side, not '{text}'"))
 }

@@ -8,16 +8,9 @@ use super::{
     config::Rig,
     material::{self, Materials},
     orbit::Orbit,
+    panel::{self, Hud, State},
     state::{Config, Problems, Shown},
 };
-
-/// The panel with keys and state.
-#[derive(Component)]
-pub struct Hud;
-
-/// The text that changes.
-#[derive(Component)]
-pub struct State;
 
 /// The text about what is wrong.
 #[derive(Component)]
@@ -43,25 +36,7 @@ const LIGHT_DRAG: f32 = 0.35;
 
 /// Makes the panel.
 pub fn spawn(mut commands: Commands) {
-    let text = |size: f32| TextFont { font_size: FontSize::Px(size), ..default() };
-    let panel = Node {
-        position_type: PositionType::Absolute,
-        top: px(12),
-        left: px(12),
-        max_width: percent(60),
-        padding: UiRect::all(px(10)),
-        flex_direction: FlexDirection::Column,
-        row_gap: px(8),
-        border_radius: BorderRadius::all(px(6)),
-        ..default()
-    };
-    commands.spawn((Hud, panel, BackgroundColor(Color::srgba(0.0, 0.0, 0.0, 0.55)))).with_children(
-        |panel| {
-            panel.spawn((Text::new(KEYS), text(13.0), TextColor(Color::srgb(0.85, 0.85, 0.82))));
-            let state = TextColor(Color::srgb(1.0, 0.8, 0.45));
-            panel.spawn((State, Text::default(), text(13.0), state));
-        },
-    );
+    panel::spawn(&mut commands, KEYS);
     // Problems stay when the panel is hidden.
     let place = Node {
         position_type: PositionType::Absolute,
@@ -71,7 +46,8 @@ pub fn spawn(mut commands: Commands) {
         ..default()
     };
     let red = TextColor(Color::srgb(1.0, 0.45, 0.4));
-    commands.spawn((Wrong, place, Text::default(), text(15.0), red));
+    let font = TextFont { font_size: FontSize::Px(15.0), ..default() };
+    commands.spawn((Wrong, place, Text::default(), font, red));
 }
 
 /// The next or the last of `count`.

@@ -20,6 +20,8 @@ mod material;
 mod object;
 #[path = "../common/room/orbit.rs"]
 mod orbit;
+#[path = "../common/panel.rs"]
+mod panel;
 #[path = "../common/ring.rs"]
 mod ring;
 mod state;

@@ -5,23 +5,19 @@
 //! whatever else the machine does meets each of them alike. A frame lasts until the device has drawn
 //! it.
 
+#[path = "../common/frame_time.rs"]
+#[expect(unreachable_pub, reason = "what the examples share")]
+mod frame_time;
 #[path = "../common/headless.rs"]
 #[expect(dead_code, unreachable_pub, reason = "what the examples and tests share")]
 mod headless;
 mod options;
 mod scene;
 
-use std::{
-    process::ExitCode,
-    time::{Duration, Instant},
-};
+use std::{process::ExitCode, time::Duration};
 
-use bevy::{
-    diagnostic::DiagnosticsStore,
-    prelude::*,
-    render::{render_resource::PollType, renderer::RenderDevice},
-};
-use farlight::core::process_cpu_time;
+use bevy::{diagnostic::DiagnosticsStore, prelude::*};
+use frame_time::{FrameTime, frame};
 use headless::Headless;
 use options::Options;
 use scene::Subject;
@@ -70,11 +66,7 @@ fn run(options: &Options) -> Result<(), String> {
     for size in &options.sizes {
         measure(options, *size, &mut report)?;
     }
-    if let Some(path) = &options.json {
-        let text = serde_json::to_string_pretty(&report).map_err(|error| error.to_string())?;
-        std::fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()))?;
-    }
-    Ok(())
+    options.frames.write(&report)
 }
 
 fn measure(options: &Options, size: UVec2, report: &mut Report) -> Result<(), String> {
@@ -95,7 +87,7 @@ fn measure(options: &Options, size: UVec2, report: &mut Report) -> Result<(), St
     }
     report.adapter = apps[0].1.adapter();
     println!("{}x{} pixels on {}", size.x, size.y, report.adapter);
-    for round in 0..=options.rounds {
+    for round in 0..=options.frames.rounds {
         for (_, app, times) in &mut apps {
             let time = frame(app)?;
             if round > 0 {
@@ -105,18 +97,17 @@ fn measure(options: &Options, size: UVec2, report: &mut Report) -> Result<(), St
     }
     for (subject, app, _) in &mut apps {
         scene::check(app.app.world_mut(), *subject)?;
-        if let Some(folder) = &options.out {
+        if let Some(folder) = &options.frames.out {
             let name = format!("{}-{}.png", subject.name().replace(' ', "-"), size.x);
             app.capture()?.save(folder.join(name))?;
         }
     }
     let mut medians = Vec::new();
-    for (subject, _, times) in &mut apps {
-        let mut middle = |key: fn(&Times) -> Duration| {
-            times.sort_by_key(key);
-            key(&times[if options.fastest { 0 } else { times.len() / 2 }]).as_secs_f64() * 1e3
+    for (subject, _, times) in &apps {
+        let counts = |time: fn(&FrameTime) -> Duration| {
+            options.frames.counts(times.iter().map(time).collect())
         };
-        medians.push((*subject, middle(|t| t.wall), middle(|t| t.cpu)));
+        medians.push((*subject, counts(|t| t.wall), counts(|t| t.cpu)));
     }
     println!(
         "{:<40}{:>12}{:>8}{:>12}{:>8}{:>12}",
@@ -139,21 +130,6 @@ fn measure(options: &Options, size: UVec2, report: &mut Report) -> Result<(), St
         report.rows.push(row);
     }
     Ok(())
-}
-
-struct Times {
-    wall: Duration,
-    cpu: Duration,
-}
-
-/// Draws a frame, to the end.
-fn frame(headless: &mut Headless) -> Result<Times, String> {
-    let (start, cpu) = (Instant::now(), process_cpu_time().unwrap_or_default());
-    headless.update()?;
-    let device = headless.app.world().resource::<RenderDevice>();
-    device.poll(PollType::wait_indefinitely()).map_err(|error| error.to_string())?;
-    let cpu = process_cpu_time().unwrap_or_default().saturating_sub(cpu);
-    Ok(Times { wall: start.elapsed(), cpu })
 }
 
 /// The device's own time of our pass.

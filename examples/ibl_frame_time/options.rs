@@ -1,8 +1,8 @@
 //! The command line.
 
-use std::path::PathBuf;
-
 use bevy::math::UVec2;
+
+use crate::frame_time::{self, FrameOptions};
 
 const HELP: &str = "\
 How long a frame takes while the environment's light refines, beside plain lights.
@@ -20,16 +20,12 @@ OPTIONS
 
 pub(crate) struct Options {
     pub(crate) sizes: Vec<UVec2>,
-    pub(crate) rounds: usize,
-    pub(crate) fastest: bool,
-    pub(crate) json: Option<PathBuf>,
-    pub(crate) out: Option<PathBuf>,
+    pub(crate) frames: FrameOptions,
 }
 
 impl Options {
     pub(crate) fn from_args() -> Result<Self, String> {
-        let mut options =
-            Self { sizes: Vec::new(), rounds: 30, fastest: false, json: None, out: None };
+        let mut options = Self { sizes: Vec::new(), frames: FrameOptions::new(30) };
         let mut args = std::env::args().skip(1);
         while let Some(arg) = args.next() {
             let mut value = || args.next().ok_or(format!("{arg} needs a value"));
@@ -38,15 +34,8 @@ impl Options {
                     print!("{HELP}");
                     std::process::exit(0);
                 }
-                "--size" => options.sizes.push(size(&value()?)?),
-                "--rounds" => {
-                    let text = value()?;
-                    let rounds = text.parse().ok().filter(|rounds| (1..=100_000).contains(rounds));
-                    options.rounds = rounds.ok_or(format!("--rounds: not '{text}'"))?;
-                }
-                "--fastest" => options.fastest = true,
-                "--json" => options.json = Some(value()?.into()),
-                "--out" => options.out = Some(value()?.into()),
+                "--size" => options.sizes.push(frame_time::size(&value()?)?),
+                _ if options.frames.take(&arg, &mut value)? => {}
                 _ => return Err(format!("unknown argument {arg}")),
             }
         }
@@ -55,11 +44,4 @@ impl Options {
         }
         Ok(options)
     }
-}
-
-fn size(text: &str) -> Result<UVec2, String> {
-    let side = |text: &str| text.parse().ok().filter(|side| (16..=4096).contains(side));
-    text.split_once('x')
-        .and_then(|(width, height)| Some(UVec2::new(side(width)?, side(height)?)))
-        .ok_or(format!("--size needs WIDTHxHEIGHT, 16 to 4096 a side, not '{text}'"))
 }

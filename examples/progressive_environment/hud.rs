@@ -3,15 +3,10 @@
 use bevy::prelude::*;
 use farlight::{ibl::EnvironmentState, prelude::*};
 
-use super::shown::Shown;
-
-/// The panel with keys and state.
-#[derive(Component)]
-pub struct Hud;
-
-/// The text that changes.
-#[derive(Component)]
-pub struct State;
+use super::{
+    panel::{self, State},
+    shown::Shown,
+};
 
 const KEYS: &str = "\
 E  M          next environment, method of choosing lights
@@ -32,25 +27,7 @@ R  H          as at the start, hide this
 
 /// Makes the panel.
 pub fn spawn(mut commands: Commands) {
-    let text = |size: f32| TextFont { font_size: FontSize::Px(size), ..default() };
-    let panel = Node {
-        position_type: PositionType::Absolute,
-        top: px(12),
-        left: px(12),
-        max_width: percent(60),
-        padding: UiRect::all(px(10)),
-        flex_direction: FlexDirection::Column,
-        row_gap: px(8),
-        border_radius: BorderRadius::all(px(6)),
-        ..default()
-    };
-    commands.spawn((Hud, panel, BackgroundColor(Color::srgba(0.0, 0.0, 0.0, 0.55)))).with_children(
-        |panel| {
-            panel.spawn((Text::new(KEYS), text(13.0), TextColor(Color::srgb(0.85, 0.85, 0.82))));
-            let state = TextColor(Color::srgb(1.0, 0.8, 0.45));
-            panel.spawn((State, Text::default(), text(13.0), state));
-        },
-    );
+    panel::spawn(&mut commands, KEYS);
 }
 
 /// Writes what is going on into the panel.

@@ -3,7 +3,7 @@
 use bevy::{prelude::*, render::view::screenshot::save_to_disk};
 use farlight::{ibl::environment_maps::Method, prelude::*};
 
-use super::{hud::Hud, orbit::Orbit, scene, shown::Shown};
+use super::{orbit::Orbit, panel::Hud, scene, shown::Shown};
 
 /// Numbers of lights that the key goes through.
 const LIGHTS: [u32; 9] = [1, 5, 20, 50, 100, 200, 500, 1000, 4096];

@@ -16,6 +16,8 @@ mod hud;
 mod keys;
 #[path = "../common/room/orbit.rs"]
 mod orbit;
+#[path = "../common/panel.rs"]
+mod panel;
 mod pictures;
 #[path = "../common/ring.rs"]
 mod ring;

@@ -12,8 +12,8 @@ use farlight::{
 use super::{
     args::Args,
     headless::{Headless, Picture},
-    hud::Hud,
     orbit::Orbit,
+    panel::Hud,
     scene::{self, Loading},
     shown::Shown,
 };
