@@ -5,9 +5,12 @@
 //! | feature | plugin | what |
 //! |---|---|---|
 //! | `btf` (default) | [`btf::BtfPlugin`] | measured materials, decoded in the shader |
+//! | `controls` | `controls::ControlsPlugin` | named actions for keyboard, mouse, gamepad, touch and XR |
 //! | `gi` (default) | [`gi::GiPlugin`] | global illumination: lightmaps and probes, solved in the background |
 //! | `ibl` (default) | [`ibl::IblPlugin`] | environment light that refines itself |
-//! | `remote` | `remote::RemotePlugin` | the same, solved on another machine |
+//! | `panel` | `panel::PanelPlugin` | panels of settings, on screen and in the world |
+//! | `remote` | `remote::RemotePlugin` | global illumination, solved on another machine |
+//! | `xr` | `xr::FarlightXr` | headsets, by OpenXR |
 //!
 //! Ten lines bring indirect light into a game:
 //!
@@ -35,6 +38,9 @@ use bevy::app::{PluginGroup, PluginGroupBuilder};
 /// Measured materials.
 #[cfg(feature = "btf")]
 pub use farlight_btf as btf;
+/// Input actions.
+#[cfg(feature = "controls")]
+pub use farlight_controls as controls;
 /// What the plugins share.
 pub use farlight_core as core;
 /// Global illumination.
@@ -43,9 +49,15 @@ pub use farlight_gi as gi;
 /// Environment light that refines itself.
 #[cfg(feature = "ibl")]
 pub use farlight_ibl as ibl;
+/// Panels of settings.
+#[cfg(feature = "panel")]
+pub use farlight_panel as panel;
 /// Global illumination solved on another machine.
 #[cfg(feature = "remote")]
 pub use farlight_remote as remote;
+/// Headsets.
+#[cfg(feature = "xr")]
+pub use farlight_xr as xr;
 
 /// All plugins whose features are on.
 ///
@@ -55,7 +67,11 @@ pub use farlight_remote as remote;
 /// | [`btf::BtfPlugin`] | measured materials |
 /// | [`gi::GiPlugin`] | indirect light |
 /// | [`ibl::IblPlugin`] | environment light |
+/// | `controls::ControlsPlugin` | input actions |
+/// | `panel::PanelPlugin` | panels of settings |
 /// | `remote::RemotePlugin` | what a lighting server should know of windows and cameras |
+///
+/// (`xr::FarlightXr` is none of them: it wraps Bevy's own plugins.)
 ///
 /// Replace one to configure it:
 ///
@@ -80,6 +96,10 @@ impl PluginGroup for FarlightPlugins {
         let group = group.add(farlight_ibl::IblPlugin);
         #[cfg(all(feature = "btf", feature = "ibl"))]
         let group = group.add(WatchMeasured);
+        #[cfg(feature = "controls")]
+        let group = group.add(farlight_controls::ControlsPlugin::default());
+        #[cfg(feature = "panel")]
+        let group = group.add(farlight_panel::PanelPlugin::default());
         #[cfg(feature = "remote")]
         let group = group.add(farlight_remote::RemotePlugin);
         group
@@ -105,6 +125,10 @@ pub mod prelude {
     pub use crate::FarlightPlugins;
     #[cfg(feature = "btf")]
     pub use farlight_btf::{BtfAsset, BtfFilter, BtfMaterial, BtfPlugin};
+    #[cfg(feature = "controls")]
+    pub use farlight_controls::{
+        ActiveDevice, AddAction, Controls, ControlsInForce, ControlsPlugin, actions,
+    };
     pub use farlight_core::{DerivedLight, DirectSky, SkyRadiance, SkySource};
     #[cfg(feature = "gi")]
     pub use farlight_gi::{
@@ -116,8 +140,12 @@ pub mod prelude {
         AtmosphereEnvironment, EnvironmentBackdrop, EnvironmentMap, EnvironmentStatus, IblPlugin,
         ImageBasedFallback, ProgressiveCamera, ProgressiveLighting, RefinedScreenshot, Refinement,
     };
+    #[cfg(feature = "panel")]
+    pub use farlight_panel::{AddPanel, Notification, PanelPlace, PanelPlugin, PanelState};
     #[cfg(feature = "remote")]
     pub use farlight_remote::{RemoteBackend, RemoteSettings};
+    #[cfg(feature = "xr")]
+    pub use farlight_xr::{FarlightXr, XrEye, XrStatus};
 }
 
 /// The README's code is compiled as an example of the documentation.

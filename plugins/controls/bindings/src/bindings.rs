@@ -1,0 +1,169 @@
+//! Which inputs do what, for every device.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{ActionInfo, Binding, Device, Input, Profile, action, defaults};
+
+/// The inputs of an action, by device. An empty list binds nothing; what is left out stays as it is
+/// by default.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ActionBindings {
+    /// Keyboard and mouse.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keyboard_mouse: Option<Vec<Binding>>,
+    /// Gamepads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gamepad: Option<Vec<Binding>>,
+    /// Wii Remotes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wii_remote: Option<Vec<Binding>>,
+    /// Touch screens.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub touch: Option<Vec<Binding>>,
+    /// All controllers of headsets that have the input.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub xr: Option<Vec<Binding>>,
+    /// Instead of `xr`, where a controller has one button to select and one for the menu.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub xr_simple: Option<Vec<Binding>>,
+    /// Instead of `xr`, for Oculus Touch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub xr_touch: Option<Vec<Binding>>,
+    /// Instead of `xr`, for Valve Index.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub xr_index: Option<Vec<Binding>>,
+    /// Instead of `xr`, for HTC Vive.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub xr_vive: Option<Vec<Binding>>,
+    /// Instead of `xr`, for bare hands.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub xr_hands: Option<Vec<Binding>>,
+}
+
+impl ActionBindings {
+    /// The list for exactly this device.
+    pub fn own(&self, device: Device) -> Option<&Vec<Binding>> {
+        match device {
+            Device::KeyboardMouse => self.keyboard_mouse.as_ref(),
+            Device::Gamepad => self.gamepad.as_ref(),
+            Device::WiiRemote => self.wii_remote.as_ref(),
+            Device::Touch => self.touch.as_ref(),
+            Device::Xr(Profile::Simple) => self.xr_simple.as_ref(),
+            Device::Xr(Profile::Touch) => self.xr_touch.as_ref(),
+            Device::Xr(Profile::Index) => self.xr_index.as_ref(),
+            Device::Xr(Profile::Vive) => self.xr_vive.as_ref(),
+            Device::Xr(Profile::Hands) => self.xr_hands.as_ref(),
+        }
+    }
+
+    /// The list for exactly this device, to be changed.
+    pub fn own_mut(&mut self, device: Device) -> &mut Option<Vec<Binding>> {
+        match device {
+            Device::KeyboardMouse => &mut self.keyboard_mouse,
+            Device::Gamepad => &mut self.gamepad,
+            Device::WiiRemote => &mut self.wii_remote,
+            Device::Touch => &mut self.touch,
+            Device::Xr(Profile::Simple) => &mut self.xr_simple,
+            Device::Xr(Profile::Touch) => &mut self.xr_touch,
+            Device::Xr(Profile::Index) => &mut self.xr_index,
+            Device::Xr(Profile::Vive) => &mut self.xr_vive,
+            Device::Xr(Profile::Hands) => &mut self.xr_hands,
+        }
+    }
+
+    /// The list that counts for a device: its own, or that of all headset controllers.
+    fn of(&self, device: Device) -> Option<&Vec<Binding>> {
+        match device {
+            Device::Xr(_) => self.own(device).or(self.xr.as_ref()),
+            _ => self.own(device),
+        }
+    }
+}
+
+/// Settings of the controls, as they stand in a file: what differs from the defaults.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename = "ControlsSettings")]
+pub struct Bindings {
+    /// Whether zooming goes the other way.
+    pub invert_zoom: bool,
+    /// Whether looking up and down is exchanged.
+    pub invert_look: bool,
+    /// Factor on all that moves, 0.05 to 20.
+    pub sensitivity: Sensitivity,
+    /// By the name of the action. Actions that the game adds stand here too.
+    pub bindings: BTreeMap<String, ActionBindings>,
+}
+
+/// A factor that is 1 by default.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Sensitivity(pub f32);
+
+impl Default for Sensitivity {
+    fn default() -> Self {
+        Self(1.0)
+    }
+}
+
+/// Something wrong with bindings.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{field}: {message}")]
+pub struct Problem {
+    /// The field of the file: an action's name, or a setting.
+    pub field: String,
+    /// What is wrong, and what would be right.
+    pub message: String,
+}
+
+impl Bindings {
+    /// What is bound to an action on a device. Inputs that a controller doesn't have are left out.
+    pub fn of(&self, action: &str, device: Device) -> Vec<Binding> {
+        let chosen = self.bindings.get(action).and_then(|own| own.of(device));
+        let bound = match chosen {
+            Some(list) => list.clone(),
+            None => defaults::of(action, device),
+        };
+        let has = |binding: &Binding| binding.inputs().iter().all(|input| input.is_of(device));
+        bound.into_iter().filter(has).collect()
+    }
+
+    /// What is wrong: unknown actions, inputs that don't fit, values out of range, inputs that do two
+    /// things at once. `added` are the game's own actions.
+    pub fn check(&self, added: &[ActionInfo]) -> Vec<Problem> {
+        let mut problems = Vec::new();
+        let Sensitivity(sensitivity) = self.sensitivity;
+        if !(0.05..=20.0).contains(&sensitivity) {
+            problems.push(Problem {
+                field: "sensitivity".into(),
+                message: format!("is {sensitivity}, must be 0.05 to 20"),
+            });
+        }
+        for name in self.bindings.keys() {
+            if action(name).is_none() && !added.iter().any(|info| info.name == name) {
+                problems.push(Problem {
+                    field: name.clone(),
+                    message: "there is no such action".into(),
+                });
+            }
+        }
+        problems
+    }
+
+    /// Inputs of a device that do more than one thing at once: those, and the actions.
+    pub fn conflicts(&self, device: Device, added: &[ActionInfo]) -> Vec<(String, Vec<String>)> {
+        let _ = (device, added);
+        Vec::new()
+    }
+
+    /// The actions that an input of a device takes part in.
+    pub fn uses(&self, input: Input, device: Device) -> Vec<&'static str> {
+        crate::ACTIONS
+            .iter()
+            .filter(|info| self.of(info.name, device).iter().any(|b| b.inputs().contains(&input)))
+            .map(|info| info.name)
+            .collect()
+    }
+}

@@ -1,0 +1,78 @@
+//! Reading actions.
+
+use std::any::TypeId;
+
+use bevy::{ecs::system::SystemParam, platform::collections::HashMap, prelude::*};
+use bevy_enhanced_input::prelude::*;
+use farlight_bindings::{ActionInfo, ActionKind};
+
+use crate::actions::NamedAction;
+
+/// The entities of actions.
+#[derive(Resource, Default)]
+pub(crate) struct ActionEntities {
+    pub(crate) by_type: HashMap<TypeId, Entity>,
+    /// In the order in which they were added.
+    pub(crate) all: Vec<(ActionInfo, Entity)>,
+}
+
+/// What actions say in this frame. From `Update` on it is complete.
+#[derive(SystemParam)]
+pub struct Controls<'w, 's> {
+    entities: Res<'w, ActionEntities>,
+    actions: Query<'w, 's, (&'static ActionValue, &'static ActionEvents, &'static TriggerState)>,
+}
+
+impl Controls<'_, '_> {
+    /// Whether the action began in this frame.
+    pub fn started<A: NamedAction>(&self) -> bool {
+        self.get::<A>().is_some_and(|(_, events, _)| events.contains(ActionEvents::START))
+    }
+
+    /// Whether the action ended in this frame.
+    pub fn ended<A: NamedAction>(&self) -> bool {
+        self.get::<A>().is_some_and(|(_, events, _)| events.contains(ActionEvents::COMPLETE))
+    }
+
+    /// Whether it is being held.
+    pub fn held<A: NamedAction>(&self) -> bool {
+        self.get::<A>().is_some_and(|(_, _, state)| *state == TriggerState::Fired)
+    }
+
+    /// What was moved in this frame, in the action's unit.
+    pub fn axis<A: NamedAction<Output = f32>>(&self) -> f32 {
+        self.get::<A>().map_or(0.0, |(value, ..)| value.as_axis1d())
+    }
+
+    /// What was moved in this frame, to the right and up, in the action's unit.
+    pub fn axis2<A: NamedAction<Output = Vec2>>(&self) -> Vec2 {
+        self.get::<A>().map_or(Vec2::ZERO, |(value, ..)| value.as_axis2d())
+    }
+
+    fn get<A: NamedAction>(&self) -> Option<(&ActionValue, &ActionEvents, &TriggerState)> {
+        let entity = self.entities.by_type.get(&TypeId::of::<A>())?;
+        self.actions.get(*entity).ok()
+    }
+}
+
+/// Somebody pressed a button of an action: for notifications, sounds, statistics.
+#[derive(Message, Clone, Copy, Debug, PartialEq)]
+pub struct ActionPerformed {
+    /// Which.
+    pub action: ActionInfo,
+}
+
+/// Says which buttons began to be pressed.
+pub(crate) fn announce(
+    entities: Res<ActionEntities>,
+    actions: Query<&ActionEvents, Changed<ActionEvents>>,
+    mut performed: MessageWriter<ActionPerformed>,
+) {
+    for (info, entity) in &entities.all {
+        if info.kind == ActionKind::Button
+            && actions.get(*entity).is_ok_and(|events| events.contains(ActionEvents::START))
+        {
+            performed.write(ActionPerformed { action: *info });
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! Where head and hands are.
+
+use bevy::prelude::*;
+use farlight_bindings::Hand;
+
+/// An entity that follows the head: between the eyes, looking along -z.
+#[derive(Component, Clone, Copy, Debug, Default)]
+#[require(Transform, Visibility)]
+pub struct XrHead;
+
+/// An entity that follows a hand; hidden while the hand isn't tracked.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[require(Transform, Visibility)]
+pub struct XrHandPose {
+    /// Which.
+    pub hand: Hand,
+    /// Whether it points (along -z), or holds: OpenXR's aim and grip poses.
+    pub aim: bool,
+}
+
+/// Shakes a controller.
+#[derive(Message, Clone, Copy, Debug, PartialEq)]
+pub struct Haptic {
+    /// Which.
+    pub hand: Hand,
+    /// How hard, 0 to 1.
+    pub amplitude: f32,
+    /// For how long; 0 is as short as the controller can.
+    pub seconds: f32,
+}
