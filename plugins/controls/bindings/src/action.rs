@@ -82,7 +82,8 @@ macro_rules! with_actions {
             ToggleFloor, "toggle_floor", Button, Scene, "Plinth on, off", "";
             ToggleTurning, "toggle_turning", Button, Scene, "Object turns by itself", "";
             Teleport, "teleport", Button, Scene, "Teleport: hold, aim, let go", "";
-            SnapTurn, "snap_turn", Axis, Scene, "Turn yourself", "degrees, to the right is positive";
+            TurnLeft, "turn_left", Button, Scene, "Turn yourself to the left, by a step", "";
+            TurnRight, "turn_right", Button, Scene, "Turn yourself to the right, by a step", "";
             GrabLeft, "grab_left", Button, Scene, "Take hold with the left hand", "";
             GrabRight, "grab_right", Button, Scene, "Take hold with the right hand", "";
             Recentre, "recentre", Button, Scene, "Recentre the view", "";

@@ -102,7 +102,11 @@ pub struct Binding {
 impl Binding {
     /// A binding of `source`, values as they are.
     pub fn new(source: Source) -> Self {
-        let analog = source.inputs().iter().any(|i| matches!(i.shape(), Shape::Stick));
+        let analog = match source {
+            Source::One(input) => input.shape() == Shape::Stick,
+            // A button that is half of a stick's way counts from a half.
+            _ => source.inputs().iter().any(|input| input.stick().is_some()),
+        };
         Self {
             held: Vec::new(),
             source,
@@ -112,6 +116,22 @@ impl Binding {
             invert_x: false,
             invert_y: false,
         }
+    }
+
+    /// Whether `other` silences this one while all that it wants held is held: it needs the same
+    /// input, and wants what this one wants and more. `LeftDrag` is masked by `Ctrl+LeftDrag`; neither
+    /// masks `Shift+LeftDrag`. Whoever lets go of Ctrl before the mouse's button wants no other move:
+    /// what is masked should stay silent until its inputs are let go.
+    pub fn is_masked_by(&self, other: &Self) -> bool {
+        let wants = |held: &Held| other.held.contains(held);
+        let more = other.held.iter().any(|held| !self.held.contains(held));
+        more && self.held.iter().all(wants) && self.shares_source(other)
+    }
+
+    /// Whether one of the inputs that move it moves `other` too; what is held doesn't matter.
+    pub fn shares_source(&self, other: &Self) -> bool {
+        let others = other.source.inputs();
+        self.source.inputs().iter().any(|input| others.iter().any(|o| o.overlaps(*input)))
     }
 
     /// Whether only the inputs matter.
@@ -195,8 +215,8 @@ pub enum BindingError {
     /// What is held can't be held.
     #[error("{0:?} can't be held: only buttons can")]
     NoButton(String),
-    /// More than two inputs to hold.
-    #[error("{0:?}: more than two inputs to hold")]
+    /// More than three inputs to hold.
+    #[error("{0:?}: more than three inputs to hold")]
     TooMany(String),
     /// It doesn't give what the action needs.
     #[error("{input:?} does not fit: the action wants {wanted}")]
@@ -248,7 +268,7 @@ impl FromStr for Binding {
     fn from_str(text: &str) -> Result<Self, BindingError> {
         let mut parts: Vec<&str> = text.split('+').collect();
         let last = parts.pop().unwrap_or_default();
-        if parts.len() > 2 {
+        if parts.len() > 3 {
             return Err(BindingError::TooMany(text.to_owned()));
         }
         let held = parts.into_iter().map(|part| match part.trim() {

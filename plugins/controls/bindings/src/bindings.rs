@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{ActionInfo, Binding, Device, Input, Profile, action, defaults};
+use crate::{ActionInfo, Binding, Device, Input, Preset, Profile, action, defaults};
 
 /// The inputs of an action, by device. An empty list binds nothing; what is left out stays as it is
 /// by default.
@@ -87,6 +87,9 @@ impl ActionBindings {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename = "ControlsSettings")]
 pub struct Bindings {
+    /// Which defaults count where `bindings` say nothing: those of an object in front of you, or
+    /// those of a room to walk about in.
+    pub preset: Preset,
     /// Whether zooming goes the other way.
     pub invert_zoom: bool,
     /// Whether looking up and down is exchanged.
@@ -124,7 +127,7 @@ impl Bindings {
         let chosen = self.bindings.get(action).and_then(|own| own.of(device));
         let bound = match chosen {
             Some(list) => list.clone(),
-            None => defaults::of(action, device),
+            None => defaults::of(action, device, self.preset),
         };
         let has = |binding: &Binding| binding.inputs().iter().all(|input| input.is_of(device));
         bound.into_iter().filter(has).collect()

@@ -2,65 +2,101 @@
 //! Virtual Reality*, 2022, appendix A, where it names one.
 //!
 //! No gamepad or controller needs two buttons at once for what people do often, and both hands do
-//! half of the work: what the users of that application asked for (section 8.1.3).
+//! half of the work: what the users of that application asked for (section 8.1.3). What is done
+//! seldom lies one layer below: a shoulder or a trigger is held, and the other inputs do something
+//! else.
 
-use crate::{Binding, Device};
+mod desktop;
+mod headset;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{ActionKind, Binding, Device, Profile, Shape, Source, action};
+
+/// Which defaults count where a file says nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Preset {
+    /// An object in front of you: sticks go round it and turn it.
+    #[default]
+    Viewer,
+    /// A room that you walk about in: sticks walk and look; in a headset the left one teleports and
+    /// turns you by steps.
+    Room,
+}
+
+impl Preset {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Viewer, Self::Room];
+}
+
+/// Action, input, scale.
+type Row = (&'static str, &'static str, f32);
+
+/// What a device has in both presets, and what the room has instead: all of an action, nothing if
+/// the input is empty.
+struct Table {
+    rows: &'static [Row],
+    room: &'static [Row],
+}
+
+fn table(device: Device) -> Table {
+    match device {
+        Device::KeyboardMouse => desktop::KEYBOARD_MOUSE,
+        Device::Gamepad => desktop::GAMEPAD,
+        Device::WiiRemote => desktop::WII_REMOTE,
+        Device::Touch => desktop::TOUCH,
+        Device::Xr(Profile::Touch | Profile::Index) => headset::STICKS,
+        Device::Xr(Profile::Vive) => headset::VIVE,
+        Device::Xr(Profile::Simple) => headset::SIMPLE,
+        Device::Xr(Profile::Hands) => headset::HANDS,
+    }
+}
 
 /// What is bound to an action by default.
-pub(crate) fn of(action: &str, device: Device) -> Vec<Binding> {
-    let table = match device {
-        Device::KeyboardMouse => KEYBOARD_MOUSE,
-        _ => &[],
-    };
-    let rows = table.iter().filter(|row| row.0 == action);
+pub(crate) fn of(name: &str, device: Device, preset: Preset) -> Vec<Binding> {
+    let table = table(device);
+    let room = preset == Preset::Room && table.room.iter().any(|row| row.0 == name);
+    let rows = if room { table.room } else { table.rows };
+    let rows = rows.iter().filter(|row| row.0 == name && !row.1.is_empty());
     rows.filter_map(|&(_, input, scale)| {
-        let binding: Binding = input.parse().ok()?;
-        Some(Binding { scale, ..binding })
+        let binding = Binding { scale, ..input.parse().ok()? };
+        let rate = action(name)?.kind != ActionKind::Button;
+        Some(if rate { finer(binding) } else { binding })
     })
     .collect()
 }
 
-/// Action, input, scale.
-const KEYBOARD_MOUSE: &[(&str, &str, f32)] = &[
-    ("orbit", "LeftDrag", 0.25),
-    ("orbit", "Shift+ArrowLeft|ArrowRight|ArrowDown|ArrowUp", 60.0),
-    ("pan", "Shift+LeftDrag", 1.0),
-    ("zoom", "Wheel", 1.0),
-    ("walk", "KeyA|KeyD|KeyS|KeyW", 1.5),
-    ("rise", "ShiftLeft|Space", 1.0),
-    ("rotate_object", "MiddleDrag", 0.25),
-    ("rotate_environment", "RightDrag", 0.35),
-    ("next_material", "ArrowRight", 1.0),
-    ("previous_material", "ArrowLeft", 1.0),
-    ("next_model", "Digit8", 1.0),
-    ("previous_model", "Digit5", 1.0),
-    ("next_environment", "KeyE", 1.0),
-    ("previous_environment", "KeyQ", 1.0),
-    ("next_lamps", "KeyL", 1.0),
-    ("more_lights", "ArrowUp", 1.0),
-    ("fewer_lights", "ArrowDown", 1.0),
-    ("toggle_progressive", "KeyP", 1.0),
-    ("toggle_image_based", "KeyN", 1.0),
-    ("evaluation_1", "Digit1", 1.0),
-    ("evaluation_2", "Digit2", 1.0),
-    ("evaluation_3", "Digit3", 1.0),
-    ("finer_picture", "Digit6", 1.0),
-    ("coarser_picture", "Digit4", 1.0),
-    ("finer_material", "Equal", 1.0),
-    ("finer_material", "NumpadAdd", 1.0),
-    ("coarser_material", "Minus", 1.0),
-    ("coarser_material", "NumpadSubtract", 1.0),
-    ("brighter", "PageUp", 1.0),
-    ("darker", "PageDown", 1.0),
-    ("toggle_backdrop", "KeyB", 1.0),
-    ("toggle_floor", "KeyF", 1.0),
-    ("toggle_turning", "KeyT", 1.0),
-    ("recentre", "KeyI", 1.0),
-    ("reset", "KeyR", 1.0),
-    ("menu", "KeyM", 1.0),
-    ("help", "F1", 1.0),
-    ("screenshot", "KeyU", 1.0),
-    ("xr_screenshot", "KeyO", 1.0),
-    ("quit", "Escape", 1.0),
-    ("panel_back", "Escape", 1.0),
-];
+/// Small moves of what has a way to go are finer.
+fn finer(binding: Binding) -> Binding {
+    let inputs = binding.source.inputs();
+    let stick = matches!(binding.source, Source::One(input) if input.shape() == Shape::Stick);
+    let analog = inputs.iter().all(|input| input.shape() == Shape::Analog);
+    match stick || analog {
+        true if binding.dead_zone == 0.0 => Binding { curve: 2.0, dead_zone: 0.05, ..binding },
+        true => Binding { curve: 2.0, ..binding },
+        false => binding,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_binds_something() {
+        for device in Device::ALL {
+            let Table { rows, room } = table(device);
+            for &(name, input, scale) in rows.iter().chain(room) {
+                assert!(action(name).is_some(), "{device}: {name}");
+                if input.is_empty() {
+                    continue;
+                }
+                let binding: Binding = input.parse().unwrap_or_else(|e| panic!("{device}: {e}"));
+                assert!(scale > 0.0 && binding.input_text() == input, "{device}: {input}");
+                // One table serves Touch and Index; the latter has no menu button.
+                let has = binding.inputs().iter().all(|input| input.is_of(device));
+                assert!(has || input == "Left.Menu", "{device}: {input}");
+            }
+        }
+    }
+}

@@ -85,6 +85,14 @@ inputs! {
     RightTrigger, "RightTrigger", "right trigger", Analog, "";
     LeftStick, "LeftStick", "left stick", Stick, "";
     RightStick, "RightStick", "right stick", Stick, "";
+    LeftStickLeft, "LeftStickLeft", "left stick left", Analog, "";
+    LeftStickRight, "LeftStickRight", "left stick right", Analog, "";
+    LeftStickDown, "LeftStickDown", "left stick down", Analog, "";
+    LeftStickUp, "LeftStickUp", "left stick up", Analog, "";
+    RightStickLeft, "RightStickLeft", "right stick left", Analog, "";
+    RightStickRight, "RightStickRight", "right stick right", Analog, "";
+    RightStickDown, "RightStickDown", "right stick down", Analog, "";
+    RightStickUp, "RightStickUp", "right stick up", Analog, "";
     LeftStickClick, "LeftStickClick", "left stick pressed", Button, "";
     RightStickClick, "RightStickClick", "right stick pressed", Button, "";
     DPadLeft, "DPadLeft", "pad left", Button, "";
@@ -133,8 +141,16 @@ inputs! {
     Trigger, "Trigger", "trigger", Analog, "";
     Squeeze, "Squeeze", "grip", Analog, "";
     Stick, "Stick", "stick", Stick, "";
+    StickLeft, "StickLeft", "stick left", Analog, "";
+    StickRight, "StickRight", "stick right", Analog, "";
+    StickDown, "StickDown", "stick down", Analog, "";
+    StickUp, "StickUp", "stick up", Analog, "";
     StickClick, "StickClick", "stick pressed", Button, "";
     Trackpad, "Trackpad", "trackpad", Stick, "";
+    TrackpadLeft, "TrackpadLeft", "trackpad left", Analog, "";
+    TrackpadRight, "TrackpadRight", "trackpad right", Analog, "";
+    TrackpadDown, "TrackpadDown", "trackpad down", Analog, "";
+    TrackpadUp, "TrackpadUp", "trackpad up", Analog, "";
     TrackpadClick, "TrackpadClick", "trackpad pressed", Button, "";
     Primary, "Primary", "lower button (A, X)", Button, "";
     Secondary, "Secondary", "upper button (B, Y)", Button, "";
@@ -142,6 +158,7 @@ inputs! {
     Select, "Select", "select button", Button, "";
     Pinch, "Pinch", "pinch", Analog, "";
     Grasp, "Grasp", "grasp", Analog, "";
+    Swing, "Swing", "hand swung", Delta2, "degrees by which the hand's aim turned";
 }
 
 /// Left or right.
@@ -227,7 +244,14 @@ impl Input {
             | (Self::Pad(_), Device::Gamepad)
             | (Self::Wii(_), Device::WiiRemote)
             | (Self::Touch(_), Device::Touch) => true,
-            (Self::Xr(hand, xr), Device::Xr(profile)) => profile.path(hand, xr).is_some(),
+            (Self::Xr(_, Xr::Swing), Device::Xr(_)) => true,
+            (Self::Xr(hand, xr), Device::Xr(profile)) => {
+                let whole = match self.stick() {
+                    Some((Self::Xr(_, stick), _)) => stick,
+                    _ => xr,
+                };
+                profile.path(hand, whole).is_some()
+            }
             _ => false,
         }
     }

@@ -25,11 +25,14 @@ mod device;
 mod help;
 mod input;
 mod key;
+mod stick;
 
 pub use action::{ACTIONS, ActionInfo, ActionKind, Context, action};
 pub use binding::{Binding, BindingError, Held, Source};
 pub use bindings::{ActionBindings, Bindings, Problem, Sensitivity};
+pub use defaults::Preset;
 pub use device::{Device, Profile};
 pub use help::{HelpLine, help};
 pub use input::{Hand, Input, Mouse, Pad, Shape, Touch, UnknownInput, Wii, Xr};
 pub use key::{KEYS, Key};
+pub use stick::Direction;
