@@ -25,6 +25,7 @@ mod device;
 mod help;
 mod input;
 mod key;
+mod recording;
 mod stick;
 
 pub use action::{ACTIONS, ActionInfo, ActionKind, Context, action};
@@ -35,4 +36,8 @@ pub use device::{Device, Profile};
 pub use help::{HelpLine, help};
 pub use input::{Hand, Input, Mouse, Pad, Shape, Touch, UnknownInput, Wii, Xr};
 pub use key::{KEYS, Key};
+pub use recording::{
+    MAX_RECORDED_ACTIONS, MAX_RECORDED_EVENTS, RecordedEvent, RecordedFrame, Recording,
+    RecordingError, RecordingFileError,
+};
 pub use stick::Direction;
