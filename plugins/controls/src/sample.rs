@@ -78,7 +78,10 @@ pub(crate) fn sample(
 
 /// Bevy's name of a key.
 pub(crate) fn key_code(key: Key) -> Option<KeyCode> {
-    use bevy::reflect::{DynamicEnum, DynamicVariant, PartialReflect as _};
+    use bevy::reflect::{
+        PartialReflect as _,
+        enums::{DynamicEnum, DynamicVariant},
+    };
     let mut code = KeyCode::KeyA;
     code.try_apply(&DynamicEnum::new(key.name(), DynamicVariant::Unit)).ok()?;
     Some(code)
