@@ -4,7 +4,10 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{ActionInfo, Binding, Device, Input, Preset, Profile, action, defaults};
+use crate::{
+    Binding, Device, Input, Preset, Profile, defaults,
+    serial::{list, unique},
+};
 
 /// The inputs of an action, by device. An empty list binds nothing; what is left out stays as it is
 /// by default.
@@ -12,34 +15,34 @@ use crate::{ActionInfo, Binding, Device, Input, Preset, Profile, action, default
 #[serde(default, deny_unknown_fields)]
 pub struct ActionBindings {
     /// Keyboard and mouse.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(with = "list", skip_serializing_if = "Option::is_none")]
     pub keyboard_mouse: Option<Vec<Binding>>,
     /// Gamepads.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(with = "list", skip_serializing_if = "Option::is_none")]
     pub gamepad: Option<Vec<Binding>>,
     /// Wii Remotes.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(with = "list", skip_serializing_if = "Option::is_none")]
     pub wii_remote: Option<Vec<Binding>>,
     /// Touch screens.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(with = "list", skip_serializing_if = "Option::is_none")]
     pub touch: Option<Vec<Binding>>,
     /// All controllers of headsets that have the input.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(with = "list", skip_serializing_if = "Option::is_none")]
     pub xr: Option<Vec<Binding>>,
     /// Instead of `xr`, where a controller has one button to select and one for the menu.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(with = "list", skip_serializing_if = "Option::is_none")]
     pub xr_simple: Option<Vec<Binding>>,
     /// Instead of `xr`, for Oculus Touch.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(with = "list", skip_serializing_if = "Option::is_none")]
     pub xr_touch: Option<Vec<Binding>>,
     /// Instead of `xr`, for Valve Index.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(with = "list", skip_serializing_if = "Option::is_none")]
     pub xr_index: Option<Vec<Binding>>,
     /// Instead of `xr`, for HTC Vive.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(with = "list", skip_serializing_if = "Option::is_none")]
     pub xr_vive: Option<Vec<Binding>>,
     /// Instead of `xr`, for bare hands.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(with = "list", skip_serializing_if = "Option::is_none")]
     pub xr_hands: Option<Vec<Binding>>,
 }
 
@@ -74,6 +77,23 @@ impl ActionBindings {
         }
     }
 
+    /// All lists, by the names that files have for devices.
+    pub(crate) fn lists(&self) -> impl Iterator<Item = (&'static str, &Option<Vec<Binding>>)> {
+        [
+            ("keyboard_mouse", &self.keyboard_mouse),
+            ("gamepad", &self.gamepad),
+            ("wii_remote", &self.wii_remote),
+            ("touch", &self.touch),
+            ("xr", &self.xr),
+            ("xr_simple", &self.xr_simple),
+            ("xr_touch", &self.xr_touch),
+            ("xr_index", &self.xr_index),
+            ("xr_vive", &self.xr_vive),
+            ("xr_hands", &self.xr_hands),
+        ]
+        .into_iter()
+    }
+
     /// The list that counts for a device: its own, or that of all headset controllers.
     fn of(&self, device: Device) -> Option<&Vec<Binding>> {
         match device {
@@ -97,6 +117,7 @@ pub struct Bindings {
     /// Factor on all that moves, 0.05 to 20.
     pub sensitivity: Sensitivity,
     /// By the name of the action. Actions that the game adds stand here too.
+    #[serde(deserialize_with = "unique")]
     pub bindings: BTreeMap<String, ActionBindings>,
 }
 
@@ -111,16 +132,6 @@ impl Default for Sensitivity {
     }
 }
 
-/// Something wrong with bindings.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{field}: {message}")]
-pub struct Problem {
-    /// The field of the file: an action's name, or a setting.
-    pub field: String,
-    /// What is wrong, and what would be right.
-    pub message: String,
-}
-
 impl Bindings {
     /// What is bound to an action on a device. Inputs that a controller doesn't have are left out.
     pub fn of(&self, action: &str, device: Device) -> Vec<Binding> {
@@ -133,32 +144,38 @@ impl Bindings {
         bound.into_iter().filter(has).collect()
     }
 
-    /// What is wrong: unknown actions, inputs that don't fit, values out of range, inputs that do two
-    /// things at once. `added` are the game's own actions.
-    pub fn check(&self, added: &[ActionInfo]) -> Vec<Problem> {
-        let mut problems = Vec::new();
-        let Sensitivity(sensitivity) = self.sensitivity;
-        if !(0.05..=20.0).contains(&sensitivity) {
-            problems.push(Problem {
-                field: "sensitivity".into(),
-                message: format!("is {sensitivity}, must be 0.05 to 20"),
-            });
-        }
-        for name in self.bindings.keys() {
-            if action(name).is_none() && !added.iter().any(|info| info.name == name) {
-                problems.push(Problem {
-                    field: name.clone(),
-                    message: "there is no such action".into(),
-                });
-            }
-        }
-        problems
+    /// Binds inputs to an action on a device, whatever was bound before.
+    pub fn set(&mut self, action: &str, device: Device, list: Vec<Binding>) {
+        let own = self.bindings.entry(action.to_owned()).or_default();
+        *own.own_mut(device) = Some(list);
     }
 
-    /// Inputs of a device that do more than one thing at once: those, and the actions.
-    pub fn conflicts(&self, device: Device, added: &[ActionInfo]) -> Vec<(String, Vec<String>)> {
-        let _ = (device, added);
-        Vec::new()
+    /// Binds to an action on a device what is bound by default.
+    pub fn restore(&mut self, action: &str, device: Device) {
+        let Some(own) = self.bindings.get_mut(action) else { return };
+        *own.own_mut(device) = None;
+        // What is set for all headsets still counts.
+        if own.of(device).is_some() {
+            *own.own_mut(device) = Some(defaults::of(action, device, self.preset));
+        }
+    }
+
+    /// The same, without what is as it would be anyway.
+    pub fn without_defaults(&self) -> Self {
+        let mut less = self.clone();
+        less.bindings.retain(|name, own| {
+            for device in Device::ALL {
+                let otherwise = match (device, &own.xr) {
+                    (Device::Xr(_), Some(list)) => list.clone(),
+                    _ => defaults::of(name, device, self.preset),
+                };
+                if own.own(device) == Some(&otherwise) {
+                    *own.own_mut(device) = None;
+                }
+            }
+            *own != ActionBindings::default()
+        });
+        less
     }
 
     /// The actions that an input of a device takes part in.

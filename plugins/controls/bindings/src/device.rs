@@ -64,6 +64,26 @@ impl Device {
         Self::Xr(Profile::Hands),
     ];
 
+    /// What files and commands call it: `keyboard_mouse`, `xr_vive`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::KeyboardMouse => "keyboard_mouse",
+            Self::Gamepad => "gamepad",
+            Self::WiiRemote => "wii_remote",
+            Self::Touch => "touch",
+            Self::Xr(Profile::Simple) => "xr_simple",
+            Self::Xr(Profile::Touch) => "xr_touch",
+            Self::Xr(Profile::Index) => "xr_index",
+            Self::Xr(Profile::Vive) => "xr_vive",
+            Self::Xr(Profile::Hands) => "xr_hands",
+        }
+    }
+
+    /// The device that files call `name`.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|device| device.name() == name)
+    }
+
     /// What people read.
     pub const fn label(self) -> &'static str {
         match self {

@@ -73,12 +73,13 @@ inputs! {
 }
 
 inputs! {
-    /// Inputs of a gamepad, by place: the lower one of the four buttons is A, B or a cross.
+    /// Inputs of a gamepad, by place: of the four buttons South is the lower one, which is called A, or is
+    /// a cross.
     Pad;
-    South, "South", "lower button (A, cross)", Button, "";
-    East, "East", "right button (B, circle)", Button, "";
-    West, "West", "left button (X, square)", Button, "";
-    North, "North", "upper button (Y, triangle)", Button, "";
+    South, "South", "A (cross)", Button, "";
+    East, "East", "B (circle)", Button, "";
+    West, "West", "X (square)", Button, "";
+    North, "North", "Y (triangle)", Button, "";
     LeftShoulder, "LeftShoulder", "left shoulder", Button, "";
     RightShoulder, "RightShoulder", "right shoulder", Button, "";
     LeftTrigger, "LeftTrigger", "left trigger", Analog, "";
@@ -95,10 +96,10 @@ inputs! {
     RightStickUp, "RightStickUp", "right stick up", Analog, "";
     LeftStickClick, "LeftStickClick", "left stick pressed", Button, "";
     RightStickClick, "RightStickClick", "right stick pressed", Button, "";
-    DPadLeft, "DPadLeft", "pad left", Button, "";
-    DPadRight, "DPadRight", "pad right", Button, "";
-    DPadUp, "DPadUp", "pad up", Button, "";
-    DPadDown, "DPadDown", "pad down", Button, "";
+    DPadLeft, "DPadLeft", "D-pad left", Button, "";
+    DPadRight, "DPadRight", "D-pad right", Button, "";
+    DPadUp, "DPadUp", "D-pad up", Button, "";
+    DPadDown, "DPadDown", "D-pad down", Button, "";
     Start, "Start", "start", Button, "";
     Select, "Select", "select", Button, "";
     Mode, "Mode", "middle button", Button, "";
@@ -111,8 +112,8 @@ inputs! {
     B, "WiiB", "B", Button, "";
     One, "WiiOne", "1", Button, "";
     Two, "WiiTwo", "2", Button, "";
-    Plus, "WiiPlus", "+", Button, "";
-    Minus, "WiiMinus", "-", Button, "";
+    Plus, "WiiPlus", "plus", Button, "";
+    Minus, "WiiMinus", "minus", Button, "";
     Home, "WiiHome", "home", Button, "";
     Left, "WiiLeft", "cross left", Button, "";
     Right, "WiiRight", "cross right", Button, "";

@@ -20,20 +20,32 @@
 mod action;
 mod binding;
 mod bindings;
+mod check;
+mod conflicts;
 mod defaults;
 mod device;
+mod file;
 mod help;
 mod input;
 mod key;
+mod label;
+mod near;
+mod places;
 mod recording;
+mod serial;
 mod stick;
+mod table;
+mod text;
 
 pub use action::{ACTIONS, ActionInfo, ActionKind, Context, action};
-pub use binding::{Binding, BindingError, Held, Source};
-pub use bindings::{ActionBindings, Bindings, Problem, Sensitivity};
+pub use binding::{Binding, Held, Source};
+pub use bindings::{ActionBindings, Bindings, Sensitivity};
+pub use check::{Problem, Severity};
+pub use conflicts::Conflict;
 pub use defaults::Preset;
 pub use device::{Device, Profile};
-pub use help::{HelpLine, help};
+pub use file::{FileError, MAX_FILE, defaults_ron};
+pub use help::{HelpLine, first_hint, help, help_text};
 pub use input::{Hand, Input, Mouse, Pad, Shape, Touch, UnknownInput, Wii, Xr};
 pub use key::{KEYS, Key};
 pub use recording::{
@@ -41,3 +53,5 @@ pub use recording::{
     RecordingError, RecordingFileError,
 };
 pub use stick::Direction;
+pub use table::{APPENDIX_A, documentation, table};
+pub use text::BindingError;

@@ -16,6 +16,16 @@ pub enum Direction {
 }
 
 impl Direction {
+    /// What people read.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Left => "left",
+            Self::Right => "right",
+            Self::Down => "down",
+            Self::Up => "up",
+        }
+    }
+
     /// How far a stick is pushed this way, 0 to 1. `stick` goes to the right and up, -1 to 1.
     ///
     /// Only the direction into which it is pushed most counts: nobody who goes down a menu changes a

@@ -16,8 +16,8 @@ pub(super) const STICKS: Table = Table {
         ("teleport", "Left.StickClick", 1.0),
         ("grab_left", "Left.Squeeze", 1.0),
         ("grab_right", "Right.Squeeze", 1.0),
-        ("menu", "Left.Secondary", 1.0),
         ("menu", "Left.Menu", 1.0),
+        ("menu", "Left.Secondary", 1.0),
         ("help", "Left.Primary", 1.0),
 
         ("walk", "Left.Trigger+Left.Stick", 1.5),
