@@ -19,6 +19,7 @@ pub(crate) struct Sampling {
 /// A binding, and where its value goes.
 pub(crate) struct Sampled {
     pub(crate) id: CustomInput,
+    #[expect(dead_code, reason = "tells devices apart once there are several")]
     pub(crate) device: Device,
     pub(crate) info: ActionInfo,
     pub(crate) binding: farlight_bindings::Binding,
