@@ -1,5 +1,5 @@
 //! `cargo xtask fuzz`: damaged and random input for every decoder of the wire and every reader of
-//! materials and environment maps, as long as one likes.
+//! materials, environment maps, bindings and recordings, as long as one likes.
 
 use crate::args::Args;
 use crate::{Failure, process};
@@ -8,8 +8,8 @@ pub(crate) const HELP: &str = "\
 cargo xtask fuzz [--seconds N] [--seed N] [TARGET]
 
 Feeds damaged, random and lying input to the decoders and sessions of remote lighting, and what they
-accept to a solver; also to the readers of measured materials and of environment maps, and evaluates
-what they accept.
+accept to a solver; also to the readers of measured materials, of environment maps, of input bindings
+and of recordings of actions, and uses what they accept.
 Nothing may panic, take more memory than the limits say, or change when it is sent on. The stable toolchain is enough: inputs are mutations of valid ones, without feedback from
 the code that they reach. The tests run every target briefly; this runs each for N seconds.
 
@@ -20,6 +20,7 @@ the code that they reach. The tests run every target briefly; this runs each for
                 client_message server_message hello_and_welcome solver odd_scene
                 material_own material_binary material_text material_archive material_list
                 environment_radiance environment_openexr environment_ktx2 environment_screen
+                bindings_file bindings_defaults bindings_text recording
 
 An input that fails is printed in hexadecimal, with its seed and number.
 ";
@@ -32,7 +33,7 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
     let mut cargo = process::cargo();
     cargo
         .args(["test", "--package", "farlight_wire", "--package", "farlight_btf_codec"])
-        .args(["--package", "farlight_environment"])
+        .args(["--package", "farlight_environment", "--package", "farlight_bindings"])
         .args(["--lib", "--test", "fuzz", "--"])
         .args([&format!("fuzz_{target}"), "--nocapture", "--test-threads=1"])
         .env("FARLIGHT_FUZZ_SECONDS", seconds.to_string())

@@ -6,37 +6,59 @@ use farlight_gi_solver::settings::GiSettings;
 use farlight_server::ServerSettings;
 use serde::de::DeserializeOwned;
 
-use crate::error::{CliError, read_text};
+use crate::{
+    controls::{self, Game},
+    error::{CliError, read_text},
+};
 
 /// Check a configuration file
 ///
-/// The name of the file's outer struct tells what it is: GiSettings(...) holds the settings of
-/// global illumination, ServerSettings(...) those of a lighting server. Unknown fields, values of the
-/// wrong type and values out of range are errors that name the file, the line and the field.
+/// The name of the file's outer struct tells what it is: ControlsSettings(...) holds input bindings,
+/// GiSettings(...) the settings of global illumination, ServerSettings(...) those of a lighting server.
+/// Unknown fields, values of the wrong type and values out of range are errors that name the file, the
+/// line and the field.
+///
+/// Of bindings, inputs that do two things at once are warnings, on every device. A game adds actions of
+/// its own, which this command doesn't know: a name that is almost one of the suite's is an error,
+/// another one a note. Say --actions, and those are checked as well.
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// The file, in RON
     #[arg(value_name = "FILE.ron", required = true)]
     files: Vec<PathBuf>,
+    #[command(flatten)]
+    game: Game,
+    /// Warnings are errors
+    #[arg(long)]
+    strict: bool,
+}
+
+/// What is asked for besides the file.
+#[derive(Clone, Copy)]
+struct Asked<'a> {
+    game: &'a Game,
+    strict: bool,
 }
 
 /// What can be checked: the outer name, and how.
-const KINDS: [(&str, fn(&Path, &str) -> Result<(), CliError>); 2] = [
-    ("GiSettings", gi_settings),
-    ("ServerSettings", |path, text| server_settings(path, text).map(drop)),
+const KINDS: [(&str, fn(&Path, &str, Asked) -> Result<(), CliError>); 3] = [
+    ("ControlsSettings", |path, text, asked| controls::check(path, text, asked.game, asked.strict)),
+    ("GiSettings", |path, text, _| gi_settings(path, text)),
+    ("ServerSettings", |path, text, _| server_settings(path, text).map(drop)),
 ];
 
 /// Runs the subcommand.
 pub(crate) fn run(args: &Args) -> Result<(), CliError> {
     for path in &args.files {
-        let kind = check(path, &read_text(path)?)?;
+        let asked = Asked { game: &args.game, strict: args.strict };
+        let kind = check(path, &read_text(path)?, asked)?;
         println!("{}: good ({kind})", path.display());
     }
     Ok(())
 }
 
 /// Checks one text and returns its kind.
-fn check(path: &Path, text: &str) -> Result<&'static str, CliError> {
+fn check(path: &Path, text: &str, asked: Asked) -> Result<&'static str, CliError> {
     let known = KINDS.map(|(name, _)| name).join(", ");
     let (line, name) = outer_name(text);
     if name.is_empty() {
@@ -55,7 +77,7 @@ fn check(path: &Path, text: &str) -> Result<&'static str, CliError> {
             format_args!("unknown kind {name}; known: {known}"),
         ));
     };
-    check(path, text)?;
+    check(path, text, asked)?;
     Ok(kind)
 }
 
@@ -127,7 +149,8 @@ mod tests {
     use super::*;
 
     fn result(text: &str) -> Result<&'static str, String> {
-        check(Path::new("gi.ron"), text).map_err(|e| e.to_string())
+        let asked = Asked { game: &Game::default(), strict: false };
+        check(Path::new("gi.ron"), text, asked).map_err(|e| e.to_string())
     }
 
     #[test]
@@ -147,7 +170,10 @@ mod tests {
         let error = result("GiSettings(\n  seed: \"x\",\n)").unwrap_err();
         assert!(error.starts_with("gi.ron:2:"), "{error}");
         let error = result("\n\nSkySettings()").unwrap_err();
-        assert_eq!(error, "gi.ron:3: unknown kind SkySettings; known: GiSettings, ServerSettings");
+        assert_eq!(
+            error,
+            "gi.ron:3: unknown kind SkySettings; known: ControlsSettings, GiSettings, ServerSettings"
+        );
         let error = result("(bounces: 4)").unwrap_err();
         assert!(error.starts_with("gi.ron:1:") && error.contains("GiSettings"), "{error}");
         let error = result("ServerSettings(\n  listen: \"x\",\n)").unwrap_err();

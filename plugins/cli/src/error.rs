@@ -17,6 +17,11 @@ impl CliError {
         Self(format!("{}:{place}: {what}", path.display()))
     }
 
+    /// A problem with a file that says itself where in it.
+    pub(crate) fn beside(path: &Path, what: impl fmt::Display) -> Self {
+        Self(format!("{}:{what}", path.display()))
+    }
+
     /// A file that can't be read or written.
     pub(crate) fn io(path: &Path, doing: &str, error: &std::io::Error) -> Self {
         Self(format!("{}: can't be {doing}: {error}", path.display()))

@@ -3,6 +3,7 @@
 mod bake;
 mod btf;
 mod check;
+mod controls;
 mod error;
 mod ibl;
 mod job;
@@ -31,6 +32,7 @@ enum Command {
     Bake(bake::Args),
     Btf(btf::Args),
     Check(check::Args),
+    Controls(controls::Args),
     Ibl(ibl::Args),
     Serve(serve::Args),
 }
@@ -40,6 +42,7 @@ fn main() -> ExitCode {
         Command::Bake(args) => bake::run(&args),
         Command::Btf(args) => btf::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Controls(args) => controls::run(&args),
         Command::Ibl(args) => ibl::run(&args),
         Command::Serve(args) => serve::run(&args),
     };

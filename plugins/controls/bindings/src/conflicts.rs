@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, fmt};
 
-use crate::{ActionInfo, Binding, Bindings, Context, Device};
+use crate::{ActionInfo, Binding, Bindings, Context, Device, places::place_of};
 
 /// An input that does more than one thing at once.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,6 +21,20 @@ impl fmt::Display for Conflict {
         let Self { device, input, actions } = self;
         let (last, others) = actions.split_last().map_or(("", &[][..]), |(l, o)| (l, o));
         write!(f, "{device}: {input} does {} and {last} at once", others.join(", "))
+    }
+}
+
+impl Conflict {
+    /// Line and column, in the text of the file that made `bindings`, of the list that binds the input
+    /// to one of its actions.
+    pub fn place(&self, bindings: &Bindings, text: &str) -> Option<(usize, usize)> {
+        let own = self.actions.iter().find_map(|name| Some((name, bindings.bindings.get(name)?)));
+        let (name, own) = own?;
+        let list = match self.device {
+            Device::Xr(_) if own.own(self.device).is_none() => "xr",
+            device => device.name(),
+        };
+        place_of(text, &format!("bindings.{name}.{list}"))
     }
 }
 

@@ -60,6 +60,10 @@ pub(crate) fn of(name: &str, device: Device, preset: Preset) -> Vec<Binding> {
     let rows = rows.iter().filter(|row| row.0 == name && !row.1.is_empty());
     rows.filter_map(|&(_, input, scale)| {
         let binding = Binding { scale, ..input.parse().ok()? };
+        // One table serves Touch and Index; the latter has no menu button.
+        if !binding.inputs().iter().all(|input| input.is_of(device)) {
+            return None;
+        }
         let rate = action(name)?.kind != ActionKind::Button;
         Some(if rate { finer(binding) } else { binding })
     })

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use crate::{
     ActionBindings, Binding, Bindings, Context, Device, Preset, Sensitivity,
     near::{meant, nearest},
-    places::field_at,
+    places::{field_at, token_at},
 };
 
 /// Longest text of a file of bindings, in bytes.
@@ -41,7 +41,8 @@ impl Bindings {
             return Err(FileError { line: 1, column: 1, field: String::new(), message });
         }
         ron::from_str(text).map_err(|error| {
-            let (line, column) = (error.span.start.line, error.span.start.col);
+            let start = error.span.start;
+            let (line, column) = token_at(text, (start.line, start.col));
             let field = field_at(text, (line, column));
             FileError { line, column, field, message: message(&error.code) }
         })

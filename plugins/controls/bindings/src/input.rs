@@ -39,6 +39,11 @@ macro_rules! inputs {
                 match self { $(Self::$variant => $name,)* }
             }
 
+            /// The one that files call `name`.
+            pub fn named(name: &str) -> Option<Self> {
+                Self::ALL.iter().copied().find(|input| input.name() == name)
+            }
+
             /// What people read.
             pub const fn label(self) -> &'static str {
                 match self { $(Self::$variant => $label,)* }
@@ -276,8 +281,18 @@ impl FromStr for Input {
     type Err = UnknownInput;
 
     fn from_str(name: &str) -> Result<Self, UnknownInput> {
-        Self::all()
-            .find(|input| input.to_string() == name)
+        let mouse = || Mouse::named(name).map(Self::Mouse);
+        let hand = |hand: Hand| {
+            let xr = name.strip_prefix(hand.name())?.strip_prefix('.')?;
+            Xr::named(xr).map(|xr| Self::Xr(hand, xr))
+        };
+        Key::named(name)
+            .map(Self::Key)
+            .or_else(mouse)
+            .or_else(|| Pad::named(name).map(Self::Pad))
+            .or_else(|| Wii::named(name).map(Self::Wii))
+            .or_else(|| Touch::named(name).map(Self::Touch))
+            .or_else(|| Hand::ALL.into_iter().find_map(hand))
             .ok_or_else(|| UnknownInput(name.to_owned()))
     }
 }

@@ -12,7 +12,7 @@ pub(crate) fn nearest<S: AsRef<str>>(
     let near = names.map(|near| (edits(name, near.as_ref()), near.as_ref().to_owned()));
     let (distance, near) = near.min()?;
     // A third of the letters may be wrong, and three of them.
-    (distance <= 3 && distance * 3 <= name.chars().count().max(3)).then_some(near)
+    (distance <= 3 && distance * 3 <= name.chars().count()).then_some(near)
 }
 
 /// `; did you mean KeyM?`, or nothing.
@@ -20,19 +20,44 @@ pub(crate) fn meant(near: Option<&str>) -> String {
     near.map(|near| format!("; did you mean {near}?")).unwrap_or_default()
 }
 
-/// Levenshtein's distance, without regard to case.
+/// How many letters are missing, too many, wrong, or exchanged with the next one, without regard to
+/// case: Damerau and Levenshtein's distance of optimal string alignment.
 fn edits(a: &str, b: &str) -> usize {
-    let (a, b) = (a.to_lowercase(), b.to_lowercase());
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut before = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let change = before + usize::from(x != *y);
-            before = row[j + 1];
-            row[j + 1] = change.min(before + 1).min(row[j] + 1);
+    let letters = |text: &str| text.to_lowercase().chars().collect::<Vec<_>>();
+    let (a, b) = (letters(a), letters(b));
+    let mut before: Vec<usize> = vec![0; b.len() + 1];
+    let mut last: Vec<usize> = (0..=b.len()).collect();
+    for i in 0..a.len() {
+        let mut row = vec![i + 1];
+        for j in 0..b.len() {
+            let change = last[j] + usize::from(a[i] != b[j]);
+            let mut least = change.min(last[j + 1] + 1).min(row[j] + 1);
+            if i > 0 && j > 0 && a[i] == b[j - 1] && a[i - 1] == b[j] {
+                least = least.min(before[j - 1] + 1);
+            }
+            row.push(least);
         }
+        before = std::mem::replace(&mut last, row);
     }
-    row[b.len()]
+    last[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slips_are_recognised() {
+        assert_eq!(edits("menu", "mneu"), 1);
+        assert_eq!(edits("menu", "MENU"), 0);
+        assert_eq!(edits("", "menu"), 4);
+        assert_eq!(edits("orbit", "orbot"), 1);
+        assert_eq!(edits("kitten", "sitting"), 3);
+        let names = ["menu", "orbit", "previous_material", "x"];
+        assert_eq!(nearest("previus_materail", names).as_deref(), Some("previous_material"));
+        assert_eq!(nearest("mnu", names).as_deref(), Some("menu"));
+        assert_eq!(nearest("jump", names), None);
+        assert_eq!(nearest("", names), None);
+        assert_eq!(nearest(&"m".repeat(1000), names), None);
+    }
 }

@@ -36,6 +36,17 @@ pub(crate) fn place_of(text: &str, field: &str) -> Option<Place> {
     best.map(|(_, place)| place)
 }
 
+/// Where the token begins that a parser means: behind white space, and with its quotation mark.
+pub(crate) fn token_at(text: &str, (line, column): Place) -> Place {
+    let Some(content) = text.lines().nth(line.saturating_sub(1)) else { return (line, column) };
+    let before = content.chars().nth(column.wrapping_sub(2));
+    if before == Some('"') {
+        return (line, column - 1);
+    }
+    let blank = content.chars().skip(column.saturating_sub(1)).take_while(|c| c.is_whitespace());
+    (line, column + blank.count())
+}
+
 /// One level of brackets.
 struct Level {
     list: bool,

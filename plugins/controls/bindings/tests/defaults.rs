@@ -1,20 +1,12 @@
 //! The default bindings: complete, well formed.
 
-use farlight_bindings::{ACTIONS, Bindings, Device, Preset, Profile, action};
+use farlight_bindings::{
+    ACTIONS, APPENDIX_A, Binding, Bindings, Device, Input, Preset, Profile, action,
+};
 
 fn bindings(preset: Preset) -> Bindings {
     Bindings { preset, ..Bindings::default() }
 }
-
-/// What appendix A of Schiller 2022 has.
-#[rustfmt::skip]
-const APPENDIX_A: &[&str] = &[
-    "orbit", "zoom", "rotate_object", "rotate_environment", "walk", "rise", "menu", "next_material",
-    "previous_material", "next_model", "previous_model", "more_lights", "fewer_lights", "recentre",
-    "evaluation_1", "evaluation_2", "evaluation_3", "coarser_picture", "finer_picture",
-    "finer_material", "coarser_material", "toggle_progressive", "toggle_image_based", "screenshot",
-    "xr_screenshot", "quit",
-];
 
 #[test]
 fn every_action_of_the_thesis_is_reached_directly() {
@@ -25,8 +17,9 @@ fn every_action_of_the_thesis_is_reached_directly() {
         Device::Xr(Profile::Index),
         Device::Xr(Profile::Vive),
     ];
+    assert_eq!(APPENDIX_A.len(), 26);
     for device in devices {
-        for name in APPENDIX_A {
+        for (name, _) in APPENDIX_A {
             assert!(action(name).is_some(), "{name}");
             assert!(!Bindings::default().of(name, device).is_empty(), "{device}: {name}");
         }
@@ -61,4 +54,18 @@ fn defaults_are_well_formed() {
             }
         }
     }
+}
+
+#[test]
+fn every_input_is_found_by_its_name_and_by_no_other() {
+    let mut names = std::collections::BTreeSet::new();
+    for input in Input::all() {
+        let name = input.to_string();
+        assert_eq!(name.parse(), Ok(input));
+        assert!(!input.label().is_empty() && name.parse::<Binding>().is_ok(), "{name}");
+        assert!(names.insert(name.clone()), "{name} is there twice");
+        let devices = Device::ALL.into_iter().filter(|device| input.is_of(*device)).count();
+        assert!(devices > 0, "{name}");
+    }
+    assert!("Right.".parse::<Input>().is_err() && "".parse::<Input>().is_err());
 }
