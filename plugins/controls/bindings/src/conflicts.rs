@@ -125,7 +125,9 @@ impl Bindings {
         let actions = crate::ACTIONS.iter().chain(added);
         actions
             .flat_map(|info| {
-                self.of(info.name, device).into_iter().map(move |binding| (info, binding))
+                let bound = self.of(info.name, device).into_iter();
+                // What doesn't fit does nothing.
+                bound.filter(|b| b.fits(info.kind).is_ok()).map(move |binding| (info, binding))
             })
             .collect()
     }

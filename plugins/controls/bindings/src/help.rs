@@ -136,7 +136,7 @@ fn line(
     let most = bound.iter().map(Vec::len).max()?;
     let missing = bound.iter().filter(|list| list.is_empty()).count();
     let ways: Vec<_> = (0..most)
-        .map(|at| row(&bound.iter().filter_map(|b| b.get(at)).collect::<Vec<_>>()))
+        .map(|at| row(&bound.iter().filter_map(|b| b.get(at)).collect::<Vec<_>>(), device))
         .collect();
     let label = TOGETHER.iter().find(|(together, _)| *together == names).map(|(_, label)| *label);
     let label = match label {
@@ -157,27 +157,23 @@ fn line(
     })
 }
 
-/// Bindings of actions that belong together: what they share is said once.
-fn row(bindings: &[&Binding]) -> String {
-    if let [
-        Binding { source: Source::One(a), held, .. },
-        Binding { source: Source::One(b), held: same, .. },
-    ] = bindings
-        && held == same
-    {
-        return Binding { held: held.clone(), ..Binding::new(Source::Pair([*a, *b])) }.label();
-    }
-    let labels: Vec<_> = bindings.iter().map(|binding| binding.label()).collect();
-    let held = |binding: &&Binding| {
-        let held: String = binding.held.iter().map(|held| format!("{} + ", held.label())).collect();
-        held
+/// Bindings of actions that belong together: what they share with the first is said once.
+fn row(bindings: &[&Binding], device: Device) -> String {
+    let Some((first, rest)) = bindings.split_first() else { return String::new() };
+    let stick = |binding: &Binding| match binding.source {
+        Source::One(input) => input.stick(),
+        _ => None,
     };
-    let shared = bindings.first().map(held).unwrap_or_default();
-    let rest: Option<Vec<_>> = labels.iter().map(|label| label.strip_prefix(&shared)).collect();
-    match rest {
-        Some(rest) => shared + &rest.join(" / "),
-        None => labels.join(" / "),
+    let mut text = first.label_on(device);
+    for binding in rest {
+        let label = match (stick(first), stick(binding)) {
+            _ if binding.held != first.held => binding.label_on(device),
+            (Some((same, _)), Some((stick, way))) if stick == same => way.label().to_owned(),
+            _ => binding.source.label_on(device),
+        };
+        let _ = write!(text, " / {label}");
     }
+    text
 }
 
 /// [`help`] as a text, a paragraph for each group.
@@ -201,7 +197,7 @@ pub fn help_text(bindings: &Bindings, device: Device, added: &[ActionInfo]) -> S
 pub fn first_hint(bindings: &Bindings, device: Device) -> String {
     let says = |name: &str| {
         let bound = bindings.of(name, device);
-        bound.first().map(|binding| format!("{}: {name}", binding.label()))
+        bound.first().map(|binding| format!("{}: {name}", binding.label_on(device)))
     };
     let hint = [says("menu"), says("help")].into_iter().flatten().collect::<Vec<_>>().join(", ");
     let mut letters = hint.chars();

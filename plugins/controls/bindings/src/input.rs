@@ -105,8 +105,8 @@ inputs! {
     DPadRight, "DPadRight", "D-pad right", Button, "";
     DPadUp, "DPadUp", "D-pad up", Button, "";
     DPadDown, "DPadDown", "D-pad down", Button, "";
-    Start, "Start", "start", Button, "";
-    Select, "Select", "select", Button, "";
+    Start, "Start", "Start", Button, "";
+    Select, "Select", "Select", Button, "";
     Mode, "Mode", "middle button", Button, "";
 }
 
@@ -119,7 +119,7 @@ inputs! {
     Two, "WiiTwo", "2", Button, "";
     Plus, "WiiPlus", "plus", Button, "";
     Minus, "WiiMinus", "minus", Button, "";
-    Home, "WiiHome", "home", Button, "";
+    Home, "WiiHome", "Home", Button, "";
     Left, "WiiLeft", "cross left", Button, "";
     Right, "WiiRight", "cross right", Button, "";
     Up, "WiiUp", "cross up", Button, "";
@@ -164,7 +164,7 @@ inputs! {
     Select, "Select", "select button", Button, "";
     Pinch, "Pinch", "pinch", Analog, "";
     Grasp, "Grasp", "grasp", Analog, "";
-    Swing, "Swing", "hand swung", Delta2, "degrees by which the hand's aim turned";
+    Swing, "Swing", "swing", Delta2, "degrees by which the hand's aim turned";
 }
 
 /// Left or right.

@@ -54,7 +54,7 @@ mod tests {
         assert_eq!(edits("orbit", "orbot"), 1);
         assert_eq!(edits("kitten", "sitting"), 3);
         let names = ["menu", "orbit", "previous_material", "x"];
-        assert_eq!(nearest("previus_materail", names).as_deref(), Some("previous_material"));
+        assert_eq!(nearest("previoux_materiak", names).as_deref(), Some("previous_material"));
         assert_eq!(nearest("mnu", names).as_deref(), Some("menu"));
         assert_eq!(nearest("jump", names), None);
         assert_eq!(nearest("", names), None);

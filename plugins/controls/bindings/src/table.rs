@@ -56,7 +56,8 @@ fn head(first: &str, devices: &[Device]) -> String {
 
 fn inputs(bindings: &Bindings, info: &ActionInfo, device: Device) -> String {
     let bound = bindings.of(info.name, device);
-    let labels: Vec<_> = bound.iter().map(|binding| binding.label().replace('|', "\\|")).collect();
+    let labels: Vec<_> =
+        bound.iter().map(|binding| binding.label_on(device).replace('|', "\\|")).collect();
     labels.join(", ")
 }
 
@@ -74,11 +75,14 @@ fn cell(bindings: &Bindings, info: &ActionInfo, device: Device) -> String {
         _ if !in_room.is_empty() => format!("in a room: {in_room}"),
         // The panel is pointed at, or touched.
         (Context::Panel, Device::Touch | Device::Xr(_)) => "on the panel".into(),
-        _ if of_headsets => "-".into(),
+        // A game knows whether its own actions are in a menu.
+        _ if of_headsets || crate::action(info.name).is_none() => "-".into(),
         (Context::Scene, Device::Xr(_)) if info.kind != ActionKind::Button => {
             "with the head".into()
         }
+        // A menu chooses; it doesn't move.
         (Context::Panel, _) => "-".into(),
+        _ if info.kind != ActionKind::Button => "-".into(),
         _ => "menu".into(),
     }
 }

@@ -46,10 +46,7 @@ fn defaults_are_well_formed() {
                 for binding in bindings(preset).of(info.name, device) {
                     assert_eq!(binding.fits(info.kind), Ok(()), "{device}: {info}");
                     let text = binding.input_text();
-                    assert_eq!(
-                        text.parse().map(|b: farlight_bindings::Binding| b.held),
-                        Ok(binding.held)
-                    );
+                    assert_eq!(text.parse().map(|b: Binding| b.held), Ok(binding.held));
                 }
             }
         }

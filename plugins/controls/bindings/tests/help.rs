@@ -6,7 +6,7 @@ use farlight_bindings::{
 };
 
 fn label(text: &str) -> String {
-    text.parse::<Binding>().unwrap().label()
+    text.parse::<Binding>().unwrap().label_on(Device::Xr(Profile::Touch))
 }
 
 #[test]
@@ -21,10 +21,14 @@ fn inputs_have_short_names() {
         ("LeftTrigger|RightTrigger", "left trigger / right trigger"),
         ("Left.TrackpadClick+Left.TrackpadUp", "press left trackpad up"),
         ("Left.Squeeze+Right.TrackpadClick+Right.Trackpad", "left grip + press right trackpad"),
+        ("Left.Trigger+Right.Primary", "left trigger + right A"),
+        ("Left.Primary|Left.Secondary", "left X / left Y"),
         ("Left.TrackpadClick+Right.Trackpad", "left trackpad pressed + right trackpad"),
     ] {
         assert_eq!(label(text), words);
     }
+    let binding: Binding = "Left.Primary".parse().unwrap();
+    assert_eq!(binding.label_on(Device::Xr(Profile::Index)), "left A");
 }
 
 #[test]
@@ -36,7 +40,7 @@ fn every_bound_action_has_its_line() {
             let text = help_text(&bindings, device, &[]);
             for info in ACTIONS {
                 for binding in bindings.of(info.name, device) {
-                    let last = binding.source.inputs().last().unwrap().label();
+                    let last = binding.source.inputs().last().unwrap().label_on(device);
                     let last = last.rsplit(' ').next().unwrap().to_owned();
                     assert!(
                         lines.iter().any(|line| line.inputs.contains(&last)),
@@ -68,6 +72,10 @@ fn what_belongs_together_shares_a_line() {
     assert_eq!(inputs, "left shoulder + B (circle) / X (square)");
     let ways = line(Device::KeyboardMouse, "evaluation_1").inputs;
     assert_eq!(ways, "1 / 2 / 3, Num 1 / Num 2 / Num 3");
+    let ways = line(Device::Xr(Profile::Vive), "evaluation_1").inputs;
+    assert_eq!(ways, "left grip + right grip + press right trackpad left / up / right");
+    let models = line(Device::Xr(Profile::Touch), "next_model").inputs;
+    assert_eq!(models, "right stick pressed / left trigger + right stick pressed");
     // Alone where the other one has no input.
     let next = line(Device::Touch, "next_material");
     assert_eq!((next.label, next.inputs.as_str()), ("Next material", "double tap"));
@@ -99,7 +107,7 @@ fn help_follows_the_bindings_in_force() {
 fn the_first_screen_says_where_the_controls_are() {
     let hint = |device| first_hint(&Bindings::default(), device);
     assert_eq!(hint(Device::KeyboardMouse), "M: menu, F1: help");
-    assert_eq!(hint(Device::Gamepad), "Start: menu, select: help");
+    assert_eq!(hint(Device::Gamepad), "Start: menu, Select: help");
     let touch = hint(Device::Touch);
     assert_eq!(touch, "Tap with two fingers: menu, tap with three fingers: help");
     assert_eq!(hint(Device::Xr(Profile::Vive)), "Left menu button: menu, right menu button: help");
