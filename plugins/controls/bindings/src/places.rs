@@ -50,6 +50,8 @@ pub(crate) fn token_at(text: &str, (line, column): Place) -> Place {
 /// One level of brackets.
 struct Level {
     list: bool,
+    /// No token of the item was seen yet.
+    fresh: bool,
     /// What is being set: a name, or a place in a list.
     now: Step,
 }
@@ -83,6 +85,11 @@ fn scan(text: &str, mut visit: impl FnMut(Place, &[Level]) -> bool) {
         let length = token(rest, first);
         let (this, after) = rest.split_at(length.clamp(first.len_utf8(), rest.len()));
         let mut go = true;
+        let content = !first.is_whitespace() && !matches!(first, '/' | ',' | ']');
+        if let Some(level) = levels.last_mut().filter(|level| level.fresh && content) {
+            level.fresh = false;
+            go = visit(place, &levels);
+        }
         match first {
             '(' | '[' | '{' => {
                 if levels.len() == DEEPEST {
@@ -90,11 +97,8 @@ fn scan(text: &str, mut visit: impl FnMut(Place, &[Level]) -> bool) {
                 }
                 let list = first == '[';
                 let now = if list { Step::Item(0) } else { Step::None };
-                levels.push(Level { list, now });
+                levels.push(Level { list, fresh: list, now });
                 word = None;
-                if list {
-                    go = visit(place, &levels);
-                }
             }
             ')' | ']' | '}' => {
                 levels.pop();
@@ -103,11 +107,14 @@ fn scan(text: &str, mut visit: impl FnMut(Place, &[Level]) -> bool) {
             ',' => {
                 word = None;
                 if let Some(level) = levels.last_mut() {
+                    level.fresh = level.list;
                     level.now = match level.now {
                         Step::Item(at) => Step::Item(at + 1),
                         _ => Step::None,
                     };
-                    go = visit(place, &levels);
+                    if !level.list {
+                        go = go && visit(place, &levels);
+                    }
                 }
             }
             ':' => {
@@ -115,7 +122,7 @@ fn scan(text: &str, mut visit: impl FnMut(Place, &[Level]) -> bool) {
                     && !level.list
                 {
                     level.now = Step::Name(name);
-                    go = visit(at, &levels);
+                    go = go && visit(at, &levels);
                 }
             }
             '"' => {
@@ -182,7 +189,7 @@ ControlsSettings(
             ((6, 29), "bindings.orbit.gamepad[0]"),
             ((6, 41), "bindings.orbit.gamepad[1]"),
             ((6, 58), "bindings.orbit.gamepad[1].scale"),
-            ((7, 27), "bindings.zoom.gamepad[0]"),
+            ((7, 27), "bindings.zoom.gamepad"),
         ] {
             assert_eq!(field_at(TEXT, place), field, "{place:?}");
         }
@@ -194,6 +201,8 @@ ControlsSettings(
             ("sensitivity", Some((4, 8))),
             ("bindings.orbit", Some((6, 9))),
             ("bindings.orbit.gamepad", Some((6, 19))),
+            ("bindings.orbit.gamepad[0]", Some((6, 29))),
+            ("bindings.orbit.gamepad[1]", Some((6, 41))),
             ("bindings.orbit.gamepad[1].scale", Some((6, 57))),
             ("bindings.zoom.gamepad", Some((7, 18))),
             // The nearest one round it.

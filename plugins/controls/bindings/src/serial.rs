@@ -50,7 +50,7 @@ impl<'de> Deserialize<'de> for Binding {
 
             fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<Binding, A::Error> {
                 let fields = Fields::deserialize(de::value::MapAccessDeserializer::new(map))?;
-                let mut binding: Binding = fields.input.parse().map_err(de::Error::custom)?;
+                let mut binding = fields.input;
                 binding.dead_zone = fields.dead_zone.unwrap_or(binding.dead_zone);
                 binding.curve = fields.curve.unwrap_or(binding.curve);
                 binding.scale = fields.scale.unwrap_or(binding.scale);
@@ -67,7 +67,8 @@ impl<'de> Deserialize<'de> for Binding {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Fields {
-    input: String,
+    #[serde(deserialize_with = "text")]
+    input: Binding,
     #[serde(default, deserialize_with = "some")]
     dead_zone: Option<f32>,
     #[serde(default, deserialize_with = "some")]
@@ -78,6 +79,11 @@ struct Fields {
     invert_x: bool,
     #[serde(default)]
     invert_y: bool,
+}
+
+/// A text, read where it stands, so that errors say where.
+fn text<'de, D: Deserializer<'de>>(from: D) -> Result<Binding, D::Error> {
+    String::deserialize(from)?.parse().map_err(de::Error::custom)
 }
 
 /// What is there, without `Some()` round it.

@@ -193,6 +193,10 @@ fn errors_name_line_column_and_field() {
             "2:22: bindings.menu.gamepad[0]: \"A+B+C+D+South\": more than three inputs to hold",
         ),
         (
+            "ControlsSettings(bindings: {\n  \"zoom\": (gamepad: [(input: \"LeftStik\", scale: 1.0)]),\n})",
+            "2:30: bindings.zoom.gamepad[0].input: \"LeftStik\" is no input; did you mean LeftStick?",
+        ),
+        (
             "ControlsSettings(bindings: {\n \"menu\": (),\n \"menu\": (),\n})",
             "3:2: bindings.menu: \"menu\" is there twice",
         ),
