@@ -2,20 +2,40 @@
 //! does ([`ACTIONS`]), which does which ([`Bindings`]), for which device; read from RON, checked, and
 //! explained to people.
 //!
-//! A file:
+//! A file, of which everything may be left out:
 //!
 //! ```ron
 //! ControlsSettings(
+//!     preset: Room,
 //!     invert_zoom: true,
 //!     bindings: {
 //!         "menu": (keyboard_mouse: ["KeyM"], gamepad: ["Start"], xr: ["Left.Secondary"]),
 //!         "orbit": (
 //!             keyboard_mouse: ["LeftDrag"],
-//!             gamepad: [(input: "LeftStick", dead_zone: 0.15, curve: 2.0, scale: 120.0)],
+//!             gamepad: [(input: "RightStick", dead_zone: 0.15, curve: 2.0, scale: 120.0)],
 //!         ),
 //!     },
 //! )
 //! ```
+//!
+//! ```
+//! use farlight_bindings::{Bindings, Device, first_hint};
+//!
+//! let text = "ControlsSettings(bindings: {\"menu\": (keyboard_mouse: [\"Tab\"])})";
+//! let bindings = Bindings::from_ron(text)?;
+//! assert!(bindings.check(&[]).is_empty());
+//! assert!(bindings.conflicts(Device::KeyboardMouse, &[]).is_empty());
+//! assert_eq!(first_hint(&bindings, Device::KeyboardMouse), "Tab: menu, F1: help");
+//! # Ok::<(), farlight_bindings::FileError>(())
+//! ```
+//!
+//! | | |
+//! |---|---|
+//! | [`Bindings::from_ron`], [`Bindings::to_ron`], [`defaults_ron`] | files |
+//! | [`Bindings::check`], [`Bindings::conflicts`], [`Bindings::rivals`] | what is wrong, what does two things at once |
+//! | [`Binding::is_masked_by`], [`Binding::takes_from`], [`Input::overlaps`], [`Direction`] | which binding is silent while another is used |
+//! | [`help`], [`help_text`], [`first_hint`], [`table`] | words for people |
+//! | [`Recording`] | what actions said, as a text |
 
 mod action;
 mod binding;

@@ -47,13 +47,18 @@ fn every_action_and_every_device_stands_in_the_page() {
 }
 
 #[test]
-fn the_pages_example_is_a_good_file() {
-    let page = read("docs/controls.md");
-    let (_, rest) = page.split_once("```ron\n").expect("an example");
-    let (text, _) = rest.split_once("```").expect("its end");
-    let bindings = Bindings::from_ron(text).unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(bindings.check(&[]), []);
-    assert_eq!(bindings.bindings.len(), 3);
+fn examples_in_the_documentation_are_good_files() {
+    let source = read("plugins/controls/bindings/src/lib.rs").replace("//! ", "");
+    for page in [read("docs/controls.md"), source] {
+        let (_, rest) = page.split_once("```ron\n").expect("an example");
+        let (text, _) = rest.split_once("```").expect("its end");
+        let bindings = Bindings::from_ron(text).unwrap_or_else(|error| panic!("{error}: {text}"));
+        assert_eq!(bindings.check(&[]), []);
+        assert!(bindings.bindings.contains_key("menu") && bindings.invert_zoom);
+        for device in Device::ALL {
+            assert_eq!(bindings.conflicts(device, &[]), []);
+        }
+    }
 }
 
 #[test]
