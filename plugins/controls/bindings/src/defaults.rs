@@ -9,6 +9,8 @@
 mod desktop;
 mod headset;
 
+use std::{collections::HashMap, sync::OnceLock};
+
 use serde::{Deserialize, Serialize};
 
 use crate::{ActionKind, Binding, Device, Profile, Shape, Source, action};
@@ -54,18 +56,31 @@ fn table(device: Device) -> Table {
 
 /// What is bound to an action by default.
 pub(crate) fn of(name: &str, device: Device, preset: Preset) -> Vec<Binding> {
-    let table = table(device);
-    let room = preset == Preset::Room && table.room.iter().any(|row| row.0 == name);
-    let rows = if room { table.room } else { table.rows };
-    let rows = rows.iter().filter(|row| row.0 == name && !row.1.is_empty());
-    rows.filter_map(|&(_, input, scale)| {
+    // Texts are read once: help may be asked for in every frame.
+    static ALL: OnceLock<HashMap<(Device, Preset), Vec<(&str, Binding)>>> = OnceLock::new();
+    let all = ALL.get_or_init(|| {
+        let devices = Device::ALL.into_iter();
+        let keys = devices.flat_map(|device| Preset::ALL.map(|preset| (device, preset)));
+        keys.map(|key| (key, read(key.0, key.1))).collect()
+    });
+    let list = all.get(&(device, preset)).map(Vec::as_slice).unwrap_or_default();
+    list.iter().filter(|(own, _)| *own == name).map(|(_, binding)| binding.clone()).collect()
+}
+
+/// All that is bound on a device.
+fn read(device: Device, preset: Preset) -> Vec<(&'static str, Binding)> {
+    let Table { rows, room } = table(device);
+    let room = if preset == Preset::Room { room } else { &[] };
+    let replaced = |row: &&Row| !room.iter().any(|other| other.0 == row.0);
+    let rows = rows.iter().filter(replaced).chain(room).filter(|row| !row.1.is_empty());
+    rows.filter_map(|&(name, input, scale)| {
         let binding = Binding { scale, ..input.parse().ok()? };
         // One table serves Touch and Index; the latter has no menu button.
         if !binding.inputs().iter().all(|input| input.is_of(device)) {
             return None;
         }
-        let rate = action(name)?.kind != ActionKind::Button;
-        Some(if rate { finer(binding) } else { binding })
+        let moves = action(name)?.kind != ActionKind::Button;
+        Some((name, if moves { finer(binding) } else { binding }))
     })
     .collect()
 }
