@@ -13,13 +13,38 @@
 //!     })
 //!     .run();
 //! ```
+//!
+//! | item | for |
+//! |---|---|
+//! | [`FarlightXr`] | the plugins; all settings |
+//! | [`XrStatus`], [`XrFocus`], [`XrRequest`] | whether the headset shows the app; to begin and to end that |
+//! | [`XrEye`], [`DesktopCamera`] | cameras |
+//! | [`XrHead`], [`XrHandPose`], [`XrTracking`] | where head and hands are |
+//! | [`XrRig`], [`Recentre`] | where the person's room stands in the world: teleport, turn, scale |
+//! | `XrControllers` of `farlight_controls` | what is pressed; bindings make actions of it |
+//! | [`Haptic`] | shakes a controller |
+//! | [`XrControllerModel`], [`XrRay`] | simple controllers with rays |
+//! | [`XrMirror`], [`XrScreenshot`] | what the eyes see, for others |
 
 mod eye;
 mod hand;
+mod mirror;
+mod model;
+mod rig;
+#[cfg(not(target_family = "wasm"))]
+mod runtime;
+mod screenshot;
+mod show;
 mod status;
+mod tracking;
 mod wrap;
 
-pub use eye::{Fov, XrEye, eye_projection};
+pub use eye::{EyeProjection, Fov, XrEye, eye_camera, eye_projection};
 pub use hand::{Haptic, XrHandPose, XrHead};
-pub use status::{Recentre, XrRig, XrStatus};
-pub use wrap::FarlightXr;
+pub use mirror::XrMirror;
+pub use model::{XrControllerModel, XrRay};
+pub use rig::{Recentre, XrRig, XrRoot};
+pub use screenshot::{XrScreenshot, XrScreenshotSaved};
+pub use status::{DesktopCamera, XrFocus, XrRequest, XrStatus};
+pub use tracking::{XrHandTracking, XrSystems, XrTracking, XrView};
+pub use wrap::{FarlightXr, XrPlugin, XrSpace};

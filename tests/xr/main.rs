@@ -1,0 +1,11 @@
+//! Headsets, without one: both eyes are fed by hand.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod culling;
+mod desktop;
+mod follow;
+mod parallax;
+mod pictures;
+mod stage;
