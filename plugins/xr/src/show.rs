@@ -18,14 +18,11 @@ use bevy::{
         renderer::{RenderContext, RenderDevice},
     },
 };
-use farlight_core::{FarlightCorePlugin, shader_path};
+use farlight_core::shader_path;
 
 use crate::XrEye;
 
 pub(crate) fn build(app: &mut App) {
-    if !app.is_plugin_added::<FarlightCorePlugin>() {
-        app.add_plugins(FarlightCorePlugin);
-    }
     if app.get_sub_app(RenderApp).is_none() {
         return;
     }

@@ -5,6 +5,7 @@ use bevy::{
     prelude::*,
 };
 use farlight_controls::XrControllers;
+use farlight_core::FarlightCorePlugin;
 
 use crate::{
     Haptic, XrFocus, XrRequest, XrStatus, mirror, model, screenshot, show, status, tracking,
@@ -236,6 +237,13 @@ impl Plugin for XrPlugin {
             Ok(found) => crate::runtime::build(app, &self.settings, found),
             #[cfg(target_family = "wasm")]
             Ok(found) => match *found {},
+        }
+    }
+
+    fn finish(&self, app: &mut App) {
+        // The shaders are there. Not earlier: the app may add it after this plugin.
+        if !app.is_plugin_added::<FarlightCorePlugin>() && app.is_plugin_added::<AssetPlugin>() {
+            app.add_plugins(FarlightCorePlugin);
         }
     }
 }
