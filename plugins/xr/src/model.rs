@@ -105,7 +105,7 @@ struct Shapes {
 
 impl Shapes {
     fn new(meshes: &mut Assets<Mesh>, materials: &mut Assets<StandardMaterial>) -> Self {
-        let ray = Cone { radius: 0.002, height: 1.0 }
+        let ray = Cone { radius: 0.004, height: 1.0 }
             .mesh()
             .resolution(8)
             .build()

@@ -1,7 +1,7 @@
 //! The cameras of both eyes, and what the runtime says of them.
 
 use bevy::{
-    camera::{ManualTextureViewHandle, RenderTarget},
+    camera::{ManualTextureViewHandle, RenderTarget, ShadowLodOrigin},
     prelude::*,
     render::{Extract, ExtractSchedule, Render, RenderApp, texture::ManualTextureViews},
 };
@@ -63,7 +63,11 @@ fn spawn(
     info!("each eye sees {} x {} pixels", config.resolution.x, config.resolution.y);
     for index in 0..2 {
         let target = RenderTarget::TextureView(ManualTextureViewHandle(XR_TEXTURE_INDEX + index));
-        commands.spawn((eye_camera(index, near.0), target, OfSession));
+        let mut eye = commands.spawn((eye_camera(index, near.0), target, OfSession));
+        if index == 0 {
+            // Shadows of lamps are as fine as they must be for who wears the headset.
+            eye.insert(ShadowLodOrigin);
+        }
     }
     if heads.is_empty() {
         commands.spawn((Name::new("head"), XrHead));
