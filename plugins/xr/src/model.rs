@@ -105,7 +105,7 @@ struct Shapes {
 
 impl Shapes {
     fn new(meshes: &mut Assets<Mesh>, materials: &mut Assets<StandardMaterial>) -> Self {
-        let ray = Cone { radius: 0.004, height: 1.0 }
+        let ray = Cone { radius: 0.003, height: 1.0 }
             .mesh()
             .resolution(8)
             .build()
@@ -122,10 +122,10 @@ impl Shapes {
                 perceptual_roughness: 0.55,
                 ..default()
             }),
+            // Opaque: what has no depth leaves trails in pictures that refine themselves.
             light: materials.add(StandardMaterial {
-                base_color: Color::srgba(0.55, 0.8, 1.0, 0.7),
+                base_color: Color::srgb(0.45, 0.7, 0.95),
                 unlit: true,
-                alpha_mode: AlphaMode::Blend,
                 ..default()
             }),
         }

@@ -186,7 +186,7 @@ impl Actions {
     /// Shakes a controller.
     pub(super) fn shake(&self, session: &OxrSession, haptic: &crate::Haptic) -> openxr::Result<()> {
         let path = self.hands[haptic.hand as usize];
-        if !(haptic.amplitude > 0.0) {
+        if haptic.amplitude.is_nan() || haptic.amplitude <= 0.0 {
             return self.haptic.stop_feedback(session, path);
         }
         let duration = if haptic.seconds > 0.0 {
