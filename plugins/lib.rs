@@ -141,7 +141,9 @@ pub mod prelude {
         ImageBasedFallback, ProgressiveCamera, ProgressiveLighting, RefinedScreenshot, Refinement,
     };
     #[cfg(feature = "panel")]
-    pub use farlight_panel::{AddPanel, Notification, PanelPlace, PanelPlugin, PanelState};
+    pub use farlight_panel::{
+        AddPanel, Notification, PanelPlace, PanelPlugin, PanelRay, PanelSettings, PanelState,
+    };
     #[cfg(feature = "remote")]
     pub use farlight_remote::{RemoteBackend, RemoteSettings};
     #[cfg(feature = "xr")]

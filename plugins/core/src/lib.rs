@@ -3,6 +3,7 @@
 //! | item | for |
 //! |---|---|
 //! | [`DerivedLight`] | lights that a plugin made; no plugin reads them as lights of the scene |
+//! | [`field`] | what settings say of their fields, for panels |
 //! | [`DiffuseReflectance`] | what surfaces reflect whose material lighting does not know |
 //! | [`LightingChanged`] | solved light on surfaces has become another |
 //! | [`LightmapSystems`] | lightmaps come and go before materials look for them |
@@ -15,6 +16,7 @@
 //! Add [`FarlightCorePlugin`] once; the plugins that need it do so themselves.
 
 mod cost;
+pub mod field;
 mod light;
 mod ron_asset;
 mod shaders;

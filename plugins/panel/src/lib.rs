@@ -3,6 +3,7 @@
 //!
 //! ```no_run
 //! use bevy::prelude::*;
+//! use farlight_controls::ControlsPlugin;
 //! use farlight_panel::{AddPanel, PanelPlugin};
 //!
 //! #[derive(Resource, Reflect, Default)]
@@ -14,20 +15,36 @@
 //! }
 //!
 //! App::new()
-//!     .add_plugins((DefaultPlugins, PanelPlugin::default()))
+//!     .add_plugins((DefaultPlugins, ControlsPlugin::default(), PanelPlugin::default()))
 //!     .init_resource::<Weather>()
 //!     // Sliders, switches and choices come from the type.
 //!     .add_panel_resource::<Weather>("Weather")
 //!     .run();
 //! ```
+//!
+//! The actions `Menu` and `Help` of `farlight_controls` open panels; [`PanelState`] does it from
+//! code. [`Notification`]s say what happened.
 
+mod fields;
+mod help;
+mod menu;
+mod notify;
+mod place;
+mod plot;
 mod plugin;
 mod ray;
+mod screen;
 mod sections;
+mod settings;
 mod state;
+mod steer;
+mod style;
 
 pub use bevy_egui::{self, egui};
-pub use plugin::PanelPlugin;
+pub use farlight_core::field;
+pub use plot::plot;
+pub use plugin::{PanelPlugin, PanelSystems};
 pub use ray::PanelRay;
 pub use sections::AddPanel;
-pub use state::{Notification, PanelPlace, PanelState};
+pub use settings::PanelSettings;
+pub use state::{Notification, PanelCamera, PanelPlace, PanelState, PanelViewer};

@@ -1,37 +1,137 @@
 //! The plugin.
 
 use bevy::prelude::*;
-use bevy_egui::EguiPlugin;
-use farlight_controls::{Controls, actions};
+use bevy_egui::{EguiGlobalSettings, EguiInput, EguiPlugin, EguiPreUpdateSet, egui};
+use farlight_controls::{ControlsSystems, InputCapture};
 
 use crate::{
+    PanelCamera, PanelPlace, PanelSettings, PanelViewer,
+    help::Hint,
+    notify::{self, Lines},
+    screen::{self, Screen},
     sections::Sections,
     state::{Notification, PanelState},
+    steer::{self, Steering},
 };
 
 /// Panels of settings. Needs `ControlsPlugin`.
 #[derive(Clone, Debug, Default)]
 pub struct PanelPlugin {
-    _private: (),
+    settings: PanelSettings,
+}
+
+impl PanelPlugin {
+    /// Begins with other settings.
+    #[must_use]
+    pub fn with_settings(settings: PanelSettings) -> Self {
+        Self { settings }
+    }
+}
+
+/// Systems of `PreUpdate`, in order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum PanelSystems {
+    /// Pointers are looked up, and [`InputCapture`] says what panels take; before
+    /// [`ControlsSystems::Sample`].
+    Point,
+    /// Panels are drawn and change settings; after [`ControlsSystems::Announce`].
+    Show,
 }
 
 impl Plugin for PanelPlugin {
     fn build(&self, app: &mut App) {
         if !app.is_plugin_added::<EguiPlugin>() {
             app.add_plugins(EguiPlugin::default());
+            let mut settings = app.world_mut().resource_mut::<EguiGlobalSettings>();
+            settings.auto_create_primary_context = false;
         }
-        app.init_resource::<PanelState>()
+        app.register_type::<PanelSettings>()
+            .register_type::<PanelPlace>()
+            .register_type::<PanelCamera>()
+            .register_type::<PanelViewer>()
+            .insert_resource(self.settings.clone())
+            .init_resource::<PanelState>()
             .init_resource::<Sections>()
+            .init_resource::<Screen>()
+            .init_resource::<Steering>()
+            .init_resource::<Lines>()
+            .init_resource::<Hint>()
             .add_message::<Notification>()
-            .add_systems(Update, open_and_close);
+            .configure_sets(
+                PreUpdate,
+                (
+                    PanelSystems::Point
+                        .after(EguiPreUpdateSet::ProcessInput)
+                        .before(ControlsSystems::Sample),
+                    PanelSystems::Show
+                        .after(ControlsSystems::Announce)
+                        .after(EguiPreUpdateSet::BeginPass),
+                ),
+            )
+            .add_systems(
+                PreUpdate,
+                (
+                    screen::choose.before(EguiPreUpdateSet::InitContexts),
+                    capture.in_set(PanelSystems::Point),
+                    (
+                        pass_time,
+                        steer::open_and_close,
+                        steer::steer,
+                        back,
+                        notify::collect,
+                        screen::show,
+                    )
+                        .chain()
+                        .in_set(PanelSystems::Show),
+                ),
+            );
     }
 }
 
-fn open_and_close(controls: Controls, mut state: ResMut<PanelState>) {
-    if controls.started::<actions::Menu>() {
-        state.menu = !state.menu;
+fn pass_time(mut hint: ResMut<Hint>, time: Res<Time<Real>>) {
+    hint.pass(time.delta_secs());
+}
+
+/// Closes what is on top.
+fn back(mut state: ResMut<PanelState>, steering: Res<Steering>, screen: Res<Screen>) {
+    if !steering.back {
+        return;
     }
-    if controls.started::<actions::Help>() {
-        state.help = !state.help;
+    // Of a text field it is the end of writing.
+    if screen.ctx().is_some_and(egui::Context::text_edit_focused) {
+        return;
     }
+    if state.help {
+        state.help = false;
+    } else {
+        state.menu = false;
+    }
+}
+
+/// Says what panels take.
+fn capture(
+    state: Res<PanelState>,
+    screen: Res<Screen>,
+    inputs: Query<&EguiInput>,
+    mut capture: ResMut<InputCapture>,
+) {
+    let mut taken = InputCapture { panel: state.menu || state.help, ..default() };
+    if let (true, Some(ctx)) = (state.menu || state.help, screen.ctx()) {
+        taken.keyboard = state.menu && ctx.text_edit_focused();
+        let events = screen.camera.and_then(|camera| inputs.get(camera).ok());
+        let moved = events.and_then(|input| {
+            input.events.iter().rev().find_map(|event| match event {
+                egui::Event::PointerMoved(at) => Some(*at),
+                egui::Event::PointerButton { pos, .. } => Some(*pos),
+                _ => None,
+            })
+        });
+        let over = moved.or_else(|| ctx.pointer_latest_pos()).is_some_and(|at| {
+            ctx.layer_id_at(at).is_some_and(|layer| layer.order != egui::Order::Background)
+        });
+        // A drag that began in the scene stays the scene's.
+        let elsewhere = ctx.input(|input| input.pointer.any_down()) && !ctx.egui_is_using_pointer();
+        taken.pointer = ctx.egui_is_using_pointer() || over && !elsewhere;
+    }
+    capture.set_if_neq(taken);
 }

@@ -4,24 +4,39 @@ use bevy::prelude::*;
 
 /// Where panels are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
 pub enum PanelPlace {
-    /// On the screen.
+    /// In the world while there is a [`PanelViewer`], on the screen otherwise.
     #[default]
+    Auto,
+    /// On the screen.
     Screen,
     /// On a quad in the world, in front of the viewer.
     World,
 }
 
 /// What is open. The actions `Menu`, `Help` and `PanelBack` change it.
+/// ([`PanelSettings`](crate::PanelSettings) say where.)
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub struct PanelState {
     /// The menu with the settings.
     pub menu: bool,
     /// What does what on the device in hand.
     pub help: bool,
-    /// Where.
-    pub place: PanelPlace,
 }
+
+/// The camera on whose picture panels are drawn. Without one it is the camera that draws into a
+/// window last (or into an image, if there is no window).
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Debug, Clone)]
+pub struct PanelCamera;
+
+/// The head of somebody who wears a headset: panels in the world follow it. Without one they follow
+/// the camera.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Debug, Clone)]
+#[require(Transform)]
+pub struct PanelViewer;
 
 /// A line that is shown for a few seconds: what an action did, what went wrong.
 #[derive(Message, Clone, Debug, PartialEq, Eq)]

@@ -1,0 +1,154 @@
+//! Panels on the screen: egui's context is on the camera that draws last, and runs only while there
+//! is something to show.
+
+use bevy::{camera::RenderTarget, prelude::*};
+use bevy_egui::{
+    EguiContext, EguiContextSettings, EguiFullOutput, EguiInput, EguiRenderOutput, egui,
+};
+
+use crate::{
+    PanelCamera, PanelSettings, PanelState,
+    help::{self, Hint},
+    menu::{self, Room, Steered},
+    notify::{self, Lines},
+    place::Canvas,
+    steer::{self, Steering},
+    style,
+};
+
+/// Which camera shows panels on the screen.
+#[derive(Resource, Default)]
+pub(crate) struct Screen {
+    pub(crate) camera: Option<Entity>,
+    ctx: Option<egui::Context>,
+    /// Whether the last frame showed anything.
+    shown: bool,
+}
+
+impl Screen {
+    pub(crate) fn ctx(&self) -> Option<&egui::Context> {
+        self.ctx.as_ref()
+    }
+}
+
+/// Chooses the camera.
+pub(crate) fn choose(
+    mut commands: Commands,
+    mut screen: ResMut<Screen>,
+    cameras: Query<
+        (Entity, &Camera, &RenderTarget, Has<PanelCamera>),
+        (Without<Canvas>, Or<(With<Camera3d>, With<Camera2d>)>),
+    >,
+) {
+    let rank = |target: &RenderTarget| match target {
+        RenderTarget::Window(_) => 1,
+        _ => 0,
+    };
+    let best = cameras
+        .iter()
+        .filter(|(_, camera, target, _)| {
+            camera.is_active
+                && !matches!(target, RenderTarget::TextureView(_) | RenderTarget::None { .. })
+        })
+        .max_by_key(|(entity, camera, target, chosen)| {
+            // Of equals the older one, so that the choice is stable.
+            (*chosen, rank(target), camera.order, std::cmp::Reverse(*entity))
+        })
+        .map(|(entity, ..)| entity);
+    if best == screen.camera {
+        return;
+    }
+    if let Some(before) = screen.camera
+        && let Ok(mut before) = commands.get_entity(before)
+    {
+        before.remove_with_requires::<EguiContext>();
+    }
+    screen.camera = best;
+    screen.ctx = None;
+    screen.shown = false;
+    if let Some(camera) = best {
+        let mut context = EguiContext::default();
+        style::apply(context.get_mut());
+        screen.ctx = Some(context.get_mut().clone());
+        let settings = EguiContextSettings { run_manually: true, ..default() };
+        commands.entity(camera).insert((context, settings));
+    }
+}
+
+/// Draws what is open on the screen.
+pub(crate) fn show(world: &mut World) {
+    let Some((camera, ctx)) = ({
+        let screen = world.resource::<Screen>();
+        screen.camera.zip(screen.ctx.clone())
+    }) else {
+        return;
+    };
+    let Some(mut input) = world.get_mut::<EguiInput>(camera).map(|mut input| input.take()) else {
+        return;
+    };
+    let settings = world.resource::<PanelSettings>().clone();
+    let state = world.resource::<PanelState>().clone();
+    let here = !crate::place::is_world(world);
+    let hint = if settings.hint { world.resource::<Hint>().opacity() } else { 0.0 };
+    let lines = !world.resource::<Lines>().is_empty();
+    let visible = here && (state.menu || state.help || lines || hint > 0.0);
+    if !visible {
+        if world.resource::<Screen>().shown {
+            world.resource_mut::<Screen>().shown = false;
+            world.entity_mut(camera).remove::<EguiRenderOutput>();
+        }
+        return;
+    }
+    let Some((rect, native)) = world.get::<Camera>(camera).and_then(|camera| {
+        Some((camera.physical_viewport_rect()?, camera.target_scaling_factor().unwrap_or(1.0)))
+    }) else {
+        return;
+    };
+    ctx.set_zoom_factor(settings.scale.clamp(0.5, 4.0));
+    let scale = native * settings.scale.clamp(0.5, 4.0);
+    let points = |v: UVec2| egui::pos2(v.x as f32 / scale, v.y as f32 / scale);
+    input.screen_rect = Some(egui::Rect::from_min_max(points(rect.min), points(rect.max)));
+    input.viewports.entry(input.viewport_id).or_default().native_pixels_per_point = Some(native);
+    let writing = ctx.text_edit_focused();
+    steer::keep_text(&mut input.events, writing && state.menu);
+    let pointed = input.events.iter().any(|event| {
+        matches!(event, egui::Event::PointerButton { .. } | egui::Event::Touch { .. })
+    });
+    let steered = world.resource_scope(|_, mut steering: Mut<Steering>| {
+        steering.by_focus &= !pointed;
+        input.events.append(&mut steering.events);
+        Steered { scroll: steering.scroll, by_focus: steering.by_focus }
+    });
+    let output = ctx.run_ui(input, |ui| {
+        content(ui.ctx(), world, Room::Screen, &settings, steered);
+        if hint > 0.0 {
+            help::hint(ui.ctx(), world, hint);
+            ui.ctx().request_repaint();
+        }
+    });
+    if !world.resource::<Screen>().shown {
+        world.resource_mut::<Screen>().shown = true;
+        world.entity_mut(camera).insert(EguiRenderOutput::default());
+    }
+    if let Some(mut full) = world.get_mut::<EguiFullOutput>(camera) {
+        **full = Some(output);
+    }
+}
+
+/// What is open, on any canvas.
+pub(crate) fn content(
+    ctx: &egui::Context,
+    world: &mut World,
+    room: Room,
+    settings: &PanelSettings,
+    steered: Steered,
+) {
+    let state = world.resource::<PanelState>().clone();
+    if state.menu {
+        menu::show(ctx, world, room, settings.opacity, steered);
+    }
+    if state.help {
+        help::overlay(ctx, world, settings.opacity);
+    }
+    notify::show(ctx, world.resource::<Lines>());
+}
