@@ -45,6 +45,6 @@ pub use farlight_core::field;
 pub use plot::plot;
 pub use plugin::{PanelPlugin, PanelSystems};
 pub use ray::PanelRay;
-pub use sections::AddPanel;
+pub use sections::{AddPanel, choice_row, text_row};
 pub use settings::PanelSettings;
 pub use state::{Notification, PanelCamera, PanelPlace, PanelState, PanelViewer};

@@ -6,7 +6,7 @@ use bevy::{ecs::component::Mutable, prelude::*, reflect::Typed};
 use bevy_egui::egui::Ui;
 use farlight_core::field::Costly;
 
-use crate::fields::Fields;
+use crate::fields::{Fields, choice, row, show};
 
 type Draw = Arc<dyn Fn(&mut Ui, &mut World) + Send + Sync>;
 
@@ -178,4 +178,15 @@ fn later<T: Resource + Component<Mutability = Mutable> + Reflect>(
     } else {
         **value = edited;
     }
+}
+
+/// A choice of a game's own in a section: a label, and one of `names`, of which `now` is chosen. What
+/// somebody chose instead, if they did.
+pub fn choice_row(ui: &mut Ui, label: &str, names: &[String], now: usize) -> Option<usize> {
+    row(ui, label, None, |ui| choice(ui, names, now))
+}
+
+/// A line of a game's own in a section that is only read: a label and a text.
+pub fn text_row(ui: &mut Ui, label: &str, text: impl Into<String>) {
+    row(ui, label, None, |ui| show(ui, text));
 }
