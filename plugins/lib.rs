@@ -159,3 +159,8 @@ struct Readme;
 #[cfg(all(doctest, feature = "remote"))]
 #[doc = include_str!("../docs/remote.md")]
 struct RemotePage;
+
+/// And that of the page about headsets.
+#[cfg(all(doctest, feature = "xr"))]
+#[doc = include_str!("../docs/xr.md")]
+struct XrPage;

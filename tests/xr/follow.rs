@@ -2,7 +2,10 @@
 
 use bevy::{math::Vec3A, prelude::*};
 use farlight::{
-    controls::bindings::Hand,
+    controls::{
+        XrControllers,
+        bindings::{Hand, Profile, Xr},
+    },
     xr::{Recentre, XrHandPose, XrHandTracking, XrHead, XrPlugin, XrRig, XrTracking, eye_camera},
 };
 
@@ -95,4 +98,28 @@ fn hands_are_there_before_the_frame_asks_and_hide_when_lost() {
     app.world_mut().resource_mut::<XrTracking>().hand_mut(Hand::Right).grip = None;
     app.update();
     assert_eq!(app.world().get::<Visibility>(hand), Some(&Visibility::Hidden));
+}
+
+#[test]
+fn a_hand_that_turns_swings() {
+    let mut app = app();
+    let mut swings = Vec::new();
+    for frame in 0..3 {
+        app.world_mut().resource_mut::<XrControllers>().hand_mut(Hand::Right).profile =
+            Some(Profile::Simple);
+        let turn = Quat::from_rotation_y(-(5.0 * frame as f32).to_radians());
+        app.world_mut().resource_mut::<XrTracking>().hand_mut(Hand::Right).aim =
+            Some(Isometry3d::from_rotation(turn));
+        app.update();
+        swings.push(app.world().resource::<XrControllers>().value(Hand::Right, Xr::Swing));
+    }
+    // Where the hand was before it was seen, nobody knows.
+    assert_eq!(swings[0], Vec2::ZERO);
+    assert!(swings[1].abs_diff_eq(Vec2::new(5.0, 0.0), 1e-3), "{:?}", swings[1]);
+    assert!(swings[2].abs_diff_eq(Vec2::new(5.0, 0.0), 1e-3), "{:?}", swings[2]);
+    app.update();
+    assert_eq!(app.world().resource::<XrControllers>().value(Hand::Right, Xr::Swing), Vec2::ZERO);
+    app.world_mut().resource_mut::<XrTracking>().hand_mut(Hand::Right).aim = None;
+    app.update();
+    assert_eq!(app.world().resource::<XrControllers>().value(Hand::Right, Xr::Swing), Vec2::ZERO);
 }

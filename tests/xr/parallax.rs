@@ -160,6 +160,17 @@ fn refine(stage: &mut Stage) {
 fn of_light_that_refines_itself() {
     let (mut stage, marker) = refining();
     check(&mut stage, marker, Isometry3d::IDENTITY, refine);
+    // An even sky of 1 cd/m² makes white surfaces shine with 1 cd/m²; 20 lights stand for it. Both
+    // eyes' pictures are means of the same lights.
+    let place = PLACES[1];
+    let views = views(Isometry3d::IDENTITY);
+    let pictures = stage.read();
+    let [left, right] = [0, 1].map(|eye| {
+        let at = seen_at(&views[eye], place).as_uvec2();
+        pictures[eye][(at.y * SIZE + at.x) as usize]
+    });
+    assert!((left - 1.0).abs().max_element() < 0.2, "{left}");
+    assert!((left - right).abs().max_element() < 2e-3, "{left} and {right}");
 }
 
 /// A head is never still: each eye's picture moves along with its own eye, and no trail shows where
@@ -185,7 +196,19 @@ fn of_light_that_refines_itself_while_the_head_moves() {
         stage.world().get_mut::<Camera>(eye).unwrap().is_active = false;
     }
     compare(&mut stage, PLACES[0], head(39));
-    let [left, right] = stage.read();
-    save(&left, "moving_left");
-    save(&right, "moving_right");
+    let pictures = stage.read();
+    save(&pictures[0], "moving_left");
+    save(&pictures[1], "moving_right");
+    // Nothing is left of where the disc was before; by two pixels its edge may be blurred.
+    let view = &views(head(39))[0];
+    let pixels = SIZE as f32 / (view.fov.right.tan() - view.fov.left.tan());
+    let radius = RADIUS / 0.8 * pixels + 2.0;
+    for (eye, picture) in pictures.iter().enumerate() {
+        let middle = seen_at(&views(head(39))[eye], PLACES[0]);
+        for (i, pixel) in picture.iter().enumerate() {
+            let at = Vec2::new((i as u32 % SIZE) as f32, (i as u32 / SIZE) as f32) + 0.5;
+            let is_outside = at.distance(middle) > radius;
+            assert!(!is_outside || pixel.max_element() < 0.05, "eye {eye}, {at}: {pixel}");
+        }
+    }
 }

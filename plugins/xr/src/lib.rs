@@ -36,6 +36,7 @@ mod runtime;
 mod screenshot;
 mod show;
 mod status;
+mod swing;
 mod tracking;
 mod wrap;
 

@@ -8,7 +8,7 @@ use farlight_controls::XrControllers;
 use farlight_core::FarlightCorePlugin;
 
 use crate::{
-    Haptic, XrFocus, XrRequest, XrStatus, mirror, model, screenshot, show, status, tracking,
+    Haptic, XrFocus, XrRequest, XrStatus, mirror, model, screenshot, show, status, swing, tracking,
 };
 
 /// The environment variable that switches headsets off.
@@ -225,6 +225,7 @@ impl Plugin for XrPlugin {
             .add_systems(Startup, status::announce)
             .add_systems(First, status::rest_desktop_cameras);
         tracking::build(app);
+        swing::build(app);
         show::build(app);
         mirror::build(app, self.settings.mirror);
         screenshot::build(app);

@@ -15,7 +15,7 @@ use bevy_mod_xr::{
     session::{XrPreDestroySession, XrSessionCreated},
     spaces::XrPrimaryReferenceSpace,
 };
-use farlight_bindings::Hand;
+use farlight_bindings::{Hand, Xr};
 use farlight_controls::{XrControllers, XrHandInputs};
 use openxr::{SessionState, SpaceLocationFlags};
 
@@ -119,6 +119,8 @@ fn read(
         let before = controllers.hand(hand);
         let profile = if ask_profile { actions.profile(&present, hand) } else { before.profile };
         let mut now = XrHandInputs { profile, ..default() };
+        // Written later in the frame.
+        now.values.extend(before.values.get_key_value(&Xr::Swing));
         for (input, value) in actions.read(&present, hand) {
             if let Some(value) = value {
                 now.values.insert(input, value);
