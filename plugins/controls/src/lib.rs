@@ -24,11 +24,16 @@
 
 pub mod actions;
 mod capture;
+mod compile;
 mod contexts;
 mod device;
+mod evaluate;
+mod gather;
+mod inputs;
 mod plugin;
 mod read;
 mod sample;
+mod slots;
 mod spawn;
 mod xr;
 

@@ -1,5 +1,7 @@
 //! The plugin.
 
+use std::path::PathBuf;
+
 use bevy::{input::InputSystems, prelude::*};
 use bevy_enhanced_input::prelude::*;
 use farlight_bindings::Bindings;
@@ -7,16 +9,27 @@ use farlight_bindings::Bindings;
 use crate::{
     ActionPerformed, ActiveDevice, InputCapture, XrControllers, actions,
     contexts::{GlobalContext, PanelContext, SceneContext},
-    read,
+    device,
+    read::{self, ActionEntities},
     sample::{self, Sampling},
     spawn,
 };
 
 /// Input actions for every device.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct ControlsPlugin {
     /// An asset with bindings, such as `config/controls.ron`; without one, the defaults count.
     pub file: Option<String>,
+    /// Where the user's own changes are kept; `None` keeps none.
+    pub user_file: Option<PathBuf>,
+    /// Whether gamepads of the machine are read (unless the app has Bevy's own reader of them).
+    pub gamepads: bool,
+}
+
+impl Default for ControlsPlugin {
+    fn default() -> Self {
+        Self { file: None, user_file: None, gamepads: true }
+    }
 }
 
 /// The bindings that count now. Change them, and the next frame follows.
@@ -44,6 +57,7 @@ impl Plugin for ControlsPlugin {
             .add_input_context::<GlobalContext>()
             .add_input_context::<PanelContext>()
             .init_resource::<ControlsInForce>()
+            .init_resource::<ActionEntities>()
             .init_resource::<Sampling>()
             .init_resource::<ActiveDevice>()
             .init_resource::<InputCapture>()
@@ -58,10 +72,13 @@ impl Plugin for ControlsPlugin {
                     ControlsSystems::Announce.after(EnhancedInputSystems::Apply),
                 ),
             )
+            .add_systems(PreStartup, spawn::add_contexts)
             .add_systems(
                 PreUpdate,
                 (
-                    (spawn::rebind, sample::sample).chain().in_set(ControlsSystems::Sample),
+                    (sample::rebind, sample::follow_panel, sample::sample, device::follow_device)
+                        .chain()
+                        .in_set(ControlsSystems::Sample),
                     read::announce.in_set(ControlsSystems::Announce),
                 ),
             );

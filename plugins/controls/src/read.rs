@@ -3,7 +3,7 @@
 use std::any::TypeId;
 
 use bevy::{ecs::system::SystemParam, platform::collections::HashMap, prelude::*};
-use bevy_enhanced_input::prelude::*;
+use bevy_enhanced_input::{context::input_reader::custom::CustomInput, prelude::*};
 use farlight_bindings::{ActionInfo, ActionKind};
 
 use crate::actions::NamedAction;
@@ -13,7 +13,16 @@ use crate::actions::NamedAction;
 pub(crate) struct ActionEntities {
     pub(crate) by_type: HashMap<TypeId, Entity>,
     /// In the order in which they were added.
-    pub(crate) all: Vec<(ActionInfo, Entity)>,
+    pub(crate) all: Vec<ActionEntity>,
+}
+
+/// An action of the app.
+#[derive(Clone, Copy)]
+pub(crate) struct ActionEntity {
+    pub(crate) info: ActionInfo,
+    pub(crate) entity: Entity,
+    /// Where its value goes.
+    pub(crate) input: CustomInput,
 }
 
 /// What actions say in this frame. From `Update` on it is complete.
@@ -68,7 +77,7 @@ pub(crate) fn announce(
     actions: Query<&ActionEvents, Changed<ActionEvents>>,
     mut performed: MessageWriter<ActionPerformed>,
 ) {
-    for (info, entity) in &entities.all {
+    for ActionEntity { info, entity, .. } in &entities.all {
         if info.kind == ActionKind::Button
             && actions.get(*entity).is_ok_and(|events| events.contains(ActionEvents::START))
         {

@@ -1,89 +1,105 @@
-//! From devices to values: what each binding says in this frame.
+//! From devices to values: what each action says in this frame.
 
-use bevy::{
-    input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll},
-    prelude::*,
+use bevy::{prelude::*, time::Real};
+use bevy_enhanced_input::{context::input_reader::custom::CustomInputs, prelude::*};
+use farlight_bindings::{ActionInfo, ActionKind, Profile};
+
+use crate::{
+    InputCapture, PanelContext,
+    compile::{compile, presses},
+    evaluate::{Evaluator, Frame, Said},
+    gather::{Devices, Found},
+    inputs::Inputs,
+    plugin::ControlsInForce,
+    read::ActionEntities,
+    slots::{Bases, Slot},
+    spawn::ControlsRoot,
 };
-use bevy_enhanced_input::{
-    context::input_reader::custom::{CustomInput, CustomInputs},
-    prelude::*,
-};
-use farlight_bindings::{ActionInfo, ActionKind, Device, Input, Key, Mouse, Source};
 
 /// What is sampled.
-#[derive(Resource, Default)]
+#[derive(Resource)]
 pub(crate) struct Sampling {
-    pub(crate) sampled: Vec<Sampled>,
+    bases: Bases,
+    pub(crate) inputs: Inputs,
+    pub(crate) evaluator: Evaluator,
+    /// What each action says, in the order of [`ActionEntities`].
+    said: Vec<Said>,
+    presses: (Option<Profile>, Vec<Slot>),
+    pub(crate) found: Found,
+    /// Bindings in force are not compiled yet.
+    stale: bool,
 }
 
-/// A binding, and where its value goes.
-pub(crate) struct Sampled {
-    pub(crate) id: CustomInput,
-    #[expect(dead_code, reason = "tells devices apart once there are several")]
-    pub(crate) device: Device,
-    pub(crate) info: ActionInfo,
-    pub(crate) binding: farlight_bindings::Binding,
-}
-
-/// Gives every binding its value.
-pub(crate) fn sample(
-    sampling: Res<Sampling>,
-    keys: Res<ButtonInput<KeyCode>>,
-    buttons: Res<ButtonInput<MouseButton>>,
-    motion: Res<AccumulatedMouseMotion>,
-    scroll: Res<AccumulatedMouseScroll>,
-    mut custom: ResMut<CustomInputs>,
-) {
-    let value = |input: Input| -> Vec2 {
-        let pressed = |down: bool| Vec2::new(f32::from(u8::from(down)), 0.0);
-        let moved = motion.delta * Vec2::new(1.0, -1.0);
-        match input {
-            Input::Key(key) => pressed(key_code(key).is_some_and(|key| keys.pressed(key))),
-            Input::Mouse(mouse) => match mouse {
-                Mouse::Left => pressed(buttons.pressed(MouseButton::Left)),
-                Mouse::Right => pressed(buttons.pressed(MouseButton::Right)),
-                Mouse::Middle => pressed(buttons.pressed(MouseButton::Middle)),
-                Mouse::Back => pressed(buttons.pressed(MouseButton::Back)),
-                Mouse::Forward => pressed(buttons.pressed(MouseButton::Forward)),
-                Mouse::Move => moved,
-                Mouse::LeftDrag if buttons.pressed(MouseButton::Left) => moved,
-                Mouse::RightDrag if buttons.pressed(MouseButton::Right) => moved,
-                Mouse::MiddleDrag if buttons.pressed(MouseButton::Middle) => moved,
-                Mouse::Wheel => Vec2::new(scroll.delta.y, 0.0),
-                _ => Vec2::ZERO,
-            },
-            _ => Vec2::ZERO,
+impl Default for Sampling {
+    fn default() -> Self {
+        Self {
+            bases: Bases::get(),
+            inputs: Inputs::default(),
+            evaluator: Evaluator::default(),
+            said: Vec::new(),
+            presses: (None, Vec::new()),
+            found: Found::default(),
+            stale: true,
         }
-    };
-    for Sampled { id, info, binding, .. } in &sampling.sampled {
-        let held = |held: &farlight_bindings::Held| held.inputs().iter().any(|&i| value(i).x > 0.5);
-        let says = if binding.held.iter().all(held) {
-            match binding.source {
-                Source::One(input) => value(input),
-                Source::Pair([less, more]) => value(more) - value(less),
-                Source::Four([left, right, down, up]) => {
-                    Vec2::new(value(right).x - value(left).x, value(up).x - value(down).x)
-                }
-            }
-        } else {
-            Vec2::ZERO
-        };
-        let says: ActionValue = match info.kind {
-            ActionKind::Button => (says.x > 0.5).into(),
-            ActionKind::Axis => says.x.into(),
-            ActionKind::Axis2 => says.into(),
-        };
-        custom.insert(*id, says);
     }
 }
 
-/// Bevy's name of a key.
-pub(crate) fn key_code(key: Key) -> Option<KeyCode> {
-    use bevy::reflect::{
-        PartialReflect as _,
-        enums::{DynamicEnum, DynamicVariant},
-    };
-    let mut code = KeyCode::KeyA;
-    code.try_apply(&DynamicEnum::new(key.name(), DynamicVariant::Unit)).ok()?;
-    Some(code)
+/// Compiles bindings when they or the actions have changed.
+pub(crate) fn rebind(
+    in_force: Res<ControlsInForce>,
+    entities: Res<ActionEntities>,
+    mut sampling: ResMut<Sampling>,
+) {
+    if !in_force.is_changed() && !entities.is_changed() && !sampling.stale {
+        return;
+    }
+    let actions: Vec<ActionInfo> = entities.all.iter().map(|action| action.info).collect();
+    sampling.evaluator.replace(compile(&in_force.bindings, &actions));
+    sampling.said.resize(actions.len(), Said::default());
+    sampling.presses = (None, Vec::new());
+    sampling.stale = false;
+}
+
+/// Gives every action its value.
+pub(crate) fn sample(
+    mut sampling: ResMut<Sampling>,
+    mut devices: Devices,
+    time: Res<Time<Real>>,
+    capture: Res<InputCapture>,
+    entities: Res<ActionEntities>,
+    mut custom: ResMut<CustomInputs>,
+) {
+    let Sampling { bases, inputs, evaluator, said, presses: pressing, found, .. } = &mut *sampling;
+    *found = devices.read(bases, inputs);
+    if pressing.0 != found.profile {
+        *pressing = (found.profile, presses(evaluator.bindings(), found.profile));
+    }
+    inputs.settle(&capture, &pressing.1, found.lost);
+    let frame = Frame { seconds: time.delta_secs(), panel: capture.panel, profile: found.profile };
+    evaluator.evaluate(inputs, frame, said);
+    for (action, said) in entities.all.iter().zip(said.iter()) {
+        custom.insert(action.input, value(action.info.kind, said.value));
+    }
+}
+
+/// A value as `bevy_enhanced_input` has it.
+pub(crate) fn value(kind: ActionKind, value: Vec2) -> ActionValue {
+    match kind {
+        ActionKind::Button => (value.x > 0.0).into(),
+        ActionKind::Axis => value.x.into(),
+        ActionKind::Axis2 => value.into(),
+    }
+}
+
+/// Actions of panels are heard while a panel wants it.
+pub(crate) fn follow_panel(
+    capture: Res<InputCapture>,
+    roots: Query<(Entity, &ContextActivity<PanelContext>), With<ControlsRoot>>,
+    mut commands: Commands,
+) {
+    for (root, active) in &roots {
+        if **active != capture.panel {
+            commands.entity(root).insert(ContextActivity::<PanelContext>::new(capture.panel));
+        }
+    }
 }
