@@ -1,0 +1,158 @@
+//! A gallery of three rooms to walk about in, on the desktop or with a headset: one program for both.
+//! Direct light is Bevy's own; all light that walls give to each other is solved in a background thread
+//! (or by a lighting server, `--server`), and follows the lantern that is carried about.
+//!
+//! `cargo run --example xr_gallery` uses the headset if there is one, `-- --xr off` never. F1 or the
+//! controller's button for it shows what does what, M or the menu button opens the panel: on the screen,
+//! or in the world, pressed by the rays of both hands. With a headset the left stick teleports (push it
+//! ahead, aim, let go) and turns you; grips take the lantern and small things in hand. At a desk W, A,
+//! S, D walk, the mouse looks, E takes in hand what is in the middle of the view.
+//!
+//! `--headless --out DIR` makes a tour without window and headset: pictures of all rooms, of the panel
+//! and a teleport, and a stereo pair. `--help` says more.
+
+#![allow(unreachable_pub, reason = "the modules read like a library's")]
+
+mod args;
+mod building;
+mod exhibits;
+mod grab;
+mod hands;
+#[path = "../common/headless.rs"]
+#[allow(dead_code, reason = "shared with others, which use more of it")]
+mod headless;
+mod lamp;
+mod looks;
+mod moving;
+mod plan;
+mod rooms;
+mod settings;
+mod sky;
+mod teleport;
+mod textures;
+mod tour;
+
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+    sync::Arc,
+};
+
+use args::{Args, HELP, Server};
+use bevy::prelude::*;
+use farlight::{
+    controls::bindings::{Bindings, Device, Preset},
+    gi::{BackendFactory, ThreadBackend},
+    prelude::*,
+    remote::{RemoteBackend, RemoteSettings},
+};
+
+fn main() -> ExitCode {
+    let args = match Args::parse(std::env::args().skip(1)) {
+        Ok(args) if args.help => {
+            print!("{HELP}");
+            return ExitCode::SUCCESS;
+        }
+        Ok(args) => args,
+        Err(message) => {
+            eprintln!("xr_gallery: {message}");
+            return ExitCode::from(2);
+        }
+    };
+    let result = light(&args).and_then(|light| match &args.tour {
+        Some(out) => tour::run(&args, light, out),
+        None => show(&args, light),
+    });
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("xr_gallery: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The assets folder of the repository.
+fn assets() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
+}
+
+/// Who solves the indirect light.
+fn light(args: &Args) -> Result<BackendFactory, String> {
+    let remote = match &args.server {
+        None => {
+            return Ok(Arc::new(|settings: &GiSettings| {
+                Box::new(ThreadBackend::new(settings.session()))
+            }));
+        }
+        Some(Server::Invitation(text)) => {
+            RemoteSettings::from_invitation(text).map_err(|e| format!("--server: {e}"))?
+        }
+        Some(Server::File(path)) => RemoteSettings::from_invite_file(path),
+    };
+    Ok(Arc::new(RemoteBackend::factory(remote.with_name("xr_gallery"))))
+}
+
+/// What the app is with and without a window or a headset.
+fn build(app: &mut App, args: &Args, light: BackendFactory) {
+    let settings = GiSettings {
+        texels_per_metre: args.texels as f32,
+        page_size: 512,
+        max_pages: 4,
+        seed: args.seed,
+        converged_paths: args.paths.unwrap_or(if args.tour.is_some() { 512 } else { 4096 }),
+        ..default()
+    };
+    app.insert_resource(settings)
+        .insert_resource(ControlsInForce { bindings: bindings(), ..default() })
+        .add_plugins(FarlightPlugins.set(GiPlugin::with_backend(move |settings| light(settings))))
+        .insert_resource(GlobalAmbientLight::NONE)
+        .insert_resource(ClearColor(Color::BLACK))
+        .register_type::<settings::Gallery>()
+        .init_resource::<settings::Gallery>()
+        .init_resource::<plan::Floor>()
+        .init_resource::<looks::Adapted>()
+        .add_panel_resource::<settings::Gallery>("Gallery")
+        .add_observer(looks::on_eye)
+        .add_plugins((exhibits::plugin, grab::plugin, hands::plugin, lamp::plugin, moving::plugin))
+        .add_systems(PreStartup, sky::spawn)
+        .add_systems(Startup, (rooms::spawn, looks::spawn))
+        .add_systems(Update, (sky::update, looks::adapt, looks::smooth_edges));
+}
+
+/// The defaults of a room, and keys to take things in hand at a desk.
+fn bindings() -> Bindings {
+    let mut bindings = Bindings { preset: Preset::Room, ..default() };
+    for (action, device, inputs) in [
+        ("grab_right", Device::KeyboardMouse, "KeyE"),
+        ("grab_right", Device::Gamepad, "South"),
+        ("next_environment", Device::KeyboardMouse, ""),
+        ("previous_model", Device::Gamepad, ""),
+    ] {
+        let list = inputs.parse().into_iter().collect();
+        bindings.set(action, device, list);
+    }
+    bindings
+}
+
+/// With the headset, or in a window.
+fn show(args: &Args, light: BackendFactory) -> Result<(), String> {
+    let mut app = App::new();
+    let plugins = DefaultPlugins
+        .set(AssetPlugin { file_path: assets().display().to_string(), ..default() })
+        .set(WindowPlugin {
+            primary_window: Some(Window {
+                title: "Farlight: gallery".into(),
+                resolution: args.size.unwrap_or((1280, 720)).into(),
+                ..default()
+            }),
+            ..default()
+        });
+    let headset = FarlightXr::default().app_name("Farlight gallery").switched_by(std::env::args());
+    app.add_plugins(headset.wrap(plugins));
+    build(&mut app, args, light);
+    match app.run() {
+        AppExit::Success => Ok(()),
+        AppExit::Error(code) => Err(format!("the app exited with code {code}")),
+    }
+}
