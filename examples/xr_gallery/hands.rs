@@ -7,7 +7,7 @@ use bevy::{
 use farlight::{
     controls::{
         XrControllers,
-        bindings::{Hand, Xr},
+        bindings::Xr,
     },
     panel::PanelRay,
     xr::{Haptic, XrHandPose, XrRay},

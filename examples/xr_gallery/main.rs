@@ -21,6 +21,7 @@ mod hands;
 #[path = "../common/headless.rs"]
 #[allow(dead_code, reason = "shared with others, which use more of it")]
 mod headless;
+mod labels;
 mod lamp;
 mod looks;
 mod moving;
@@ -116,7 +117,7 @@ fn build(app: &mut App, args: &Args, light: BackendFactory) {
         .add_observer(looks::on_eye)
         .add_plugins((exhibits::plugin, grab::plugin, hands::plugin, lamp::plugin, moving::plugin))
         .add_systems(PreStartup, sky::spawn)
-        .add_systems(Startup, (rooms::spawn, looks::spawn))
+        .add_systems(Startup, (rooms::spawn, labels::spawn, looks::spawn))
         .add_systems(Update, (sky::update, looks::adapt, looks::smooth_edges));
 }
 
