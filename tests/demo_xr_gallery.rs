@@ -167,7 +167,12 @@ fn numbers(report: &str, line: &str) -> Vec<f32> {
 
 /// How far to the left, in pixels, a part of the left picture is found again in the right one: the shift
 /// with the least difference.
-fn disparity(left: &Picture, right: &Picture, rows: std::ops::Range<u32>, columns: std::ops::Range<u32>) -> i32 {
+fn disparity(
+    left: &Picture,
+    right: &Picture,
+    rows: std::ops::Range<u32>,
+    columns: std::ops::Range<u32>,
+) -> i32 {
     let pixel = |picture: &Picture, x: i64, y: u32| {
         let x = x.clamp(0, i64::from(picture.width) - 1) as u32;
         picture.pixels[(y * picture.width + x) as usize].map(i64::from)

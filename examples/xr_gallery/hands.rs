@@ -5,10 +5,7 @@ use bevy::{
     prelude::*,
 };
 use farlight::{
-    controls::{
-        XrControllers,
-        bindings::Xr,
-    },
+    controls::{XrControllers, bindings::Xr},
     panel::PanelRay,
     xr::{Haptic, XrHandPose, XrRay},
 };

@@ -5,7 +5,10 @@ use bevy::prelude::*;
 use farlight::{
     panel::egui::{
         Color32, FontDefinitions, FontFamily, FontId,
-        epaint::{ColorImage, text::{Fonts, FontsView, TextOptions}},
+        epaint::{
+            ColorImage,
+            text::{Fonts, FontsView, TextOptions},
+        },
     },
     prelude::*,
 };
@@ -46,15 +49,30 @@ const CARDS: &[Card] = &[
                ceilings give to each other, solved while you look.\n\nTake the lantern in the red room \
                and carry it about.",
     },
-    card([2.2, 1.45, -3.0], Vec3::Z, "Sphere", "A twill of indigo and ecru cotton, as measured from \
-          every direction of light and view."),
+    card(
+        [2.2, 1.45, -3.0],
+        Vec3::Z,
+        "Sphere",
+        "A twill of indigo and ecru cotton, as measured from \
+          every direction of light and view.",
+    ),
     card([-3.35, 1.45, -3.0], Vec3::Z, "Rabbit", "The same cloth, cut and laid as a tailor would."),
-    card([5.55, 1.45, -3.0], Vec3::Z, "Rabbit, plaster", "It is white. What is red on it came from the \
-          wall."),
+    card(
+        [5.55, 1.45, -3.0],
+        Vec3::Z,
+        "Rabbit, plaster",
+        "It is white. What is red on it came from the \
+          wall.",
+    ),
     card([8.5, 1.45, -3.0], Vec3::Z, "Sphere, porcelain", "Lit by probes, as all that can move."),
     card([9.4, 1.45, 0.9], Vec3::NEG_X, "Small things", "Please touch."),
-    card([-8.0, 1.45, -3.0], Vec3::Z, "Drape", "A square of cloth that has fallen over a ball. Light \
-          comes from the window, and from the blue wall."),
+    card(
+        [-8.0, 1.45, -3.0],
+        Vec3::Z,
+        "Drape",
+        "A square of cloth that has fallen over a ball. Light \
+          comes from the window, and from the blue wall.",
+    ),
 ];
 
 /// A painting on a wall.
@@ -148,7 +166,8 @@ fn lettered(fonts: &mut Fonts, card: &Card) -> Image {
     let wrap = card.size.x * POINTS - 2.0 * margin;
     let mut down = margin * 0.8;
     for (size, text) in [(title, card.title), (text, card.text)] {
-        down += letters(&mut view, text, size, Vec2::new(margin, down), wrap, pixels, &mut coverage);
+        down +=
+            letters(&mut view, text, size, Vec2::new(margin, down), wrap, pixels, &mut coverage);
         down += size * 0.3;
     }
     let mixed = coverage.into_iter().map(|ink| CARD.lerp(INK, ink)).collect();
@@ -179,8 +198,8 @@ fn letters(
             let corner = corner.round().as_ivec2();
             for y in from.min[1]..from.max[1] {
                 for x in from.min[0]..from.max[0] {
-                    let to = corner
-                        + IVec2::new(i32::from(x - from.min[0]), i32::from(y - from.min[1]));
+                    let to =
+                        corner + IVec2::new(i32::from(x - from.min[0]), i32::from(y - from.min[1]));
                     if to.cmplt(IVec2::ZERO).any() || to.cmpge(pixels.as_ivec2()).any() {
                         continue;
                     }

@@ -3,6 +3,7 @@
 use bevy::{
     camera::{Exposure, Hdr},
     core_pipeline::tonemapping::Tonemapping,
+    light::Skybox,
     prelude::*,
     render::renderer::RenderAdapterInfo,
 };
@@ -67,9 +68,16 @@ pub fn of_every_camera(picture: &SkyPicture) -> impl Bundle {
     (Hdr, Tonemapping::TonyMcMapface, Exposure { ev100: Adapted::default().0 }, skybox(picture))
 }
 
-/// Eyes see as the camera of the desktop does.
-pub fn on_eye(added: On<Add, XrEye>, picture: Res<SkyPicture>, mut commands: Commands) {
-    commands.entity(added.entity).insert(of_every_camera(&picture));
+/// Eyes see as the camera of the desktop does, whenever they come.
+pub fn open_eyes(
+    eyes: Query<Entity, (With<XrEye>, Without<Skybox>)>,
+    picture: Option<Res<SkyPicture>>,
+    mut commands: Commands,
+) {
+    let Some(picture) = picture else { return };
+    for eye in &eyes {
+        commands.entity(eye).insert(of_every_camera(&picture));
+    }
 }
 
 /// Many samples a pixel on graphics processors; drawing on the CPU they would halve the frame rate.

@@ -114,11 +114,13 @@ fn build(app: &mut App, args: &Args, light: BackendFactory) {
         .init_resource::<plan::Floor>()
         .init_resource::<looks::Adapted>()
         .add_panel_resource::<settings::Gallery>("Gallery")
-        .add_observer(looks::on_eye)
         .add_plugins((exhibits::plugin, grab::plugin, hands::plugin, lamp::plugin, moving::plugin))
         .add_systems(PreStartup, sky::spawn)
         .add_systems(Startup, (rooms::spawn, labels::spawn, looks::spawn))
-        .add_systems(Update, (sky::update, looks::adapt, looks::smooth_edges));
+        .add_systems(
+            Update,
+            (sky::update, (looks::open_eyes, looks::adapt, looks::smooth_edges).chain()),
+        );
 }
 
 /// The defaults of a room, and keys to take things in hand at a desk.
