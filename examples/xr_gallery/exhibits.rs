@@ -60,10 +60,10 @@ fn spawn(
         let exhibit = Exhibit { scale, cloth };
         commands.spawn((Name::new(file), exhibit, GiDynamic, WorldAssetRoot(scene), place)).id()
     };
-    let hippo = model("models/hippo.glb", ROUND, 1.9, 35.0, true);
-    model("models/bunny.glb", 1, 1.5, 25.0, true);
-    model("models/drape.glb", 7, 0.95, 20.0, true);
-    model("models/bunny.glb", 4, 1.3, 20.0, false);
+    let hippo = model("models/hippo.glb", ROUND, 2.4, 35.0, true);
+    model("models/bunny.glb", 1, 1.9, 25.0, true);
+    model("models/drape.glb", 7, 1.05, 20.0, true);
+    model("models/bunny.glb", 4, 1.7, 20.0, false);
     commands.entity(hippo).insert(Turning);
 
     let mut sphere = |radius: f32| {

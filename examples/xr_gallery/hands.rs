@@ -6,8 +6,8 @@ use bevy::{
 };
 use farlight::{
     controls::{XrControllers, bindings::Xr},
-    panel::PanelRay,
-    xr::{Haptic, XrHandPose, XrRay},
+    panel::{PanelRay, PanelViewer},
+    xr::{Haptic, XrHandPose, XrHead, XrRay},
 };
 
 use super::moving::Aiming;
@@ -28,6 +28,7 @@ pub struct Marker;
 /// Systems of what hands show.
 pub fn plugin(app: &mut App) {
     app.add_observer(give_ray)
+        .add_observer(follow_head)
         .add_systems(Startup, spawn)
         .add_systems(PreUpdate, press)
         .add_systems(Update, feel)
@@ -43,6 +44,11 @@ fn give_ray(added: On<Add, XrHandPose>, poses: Query<&XrHandPose>, mut commands:
             .entity(added.entity)
             .insert(PanelRay { hand: Some(pose.hand), ..PanelRay::default() });
     }
+}
+
+/// Panels in the world follow the head, and are there while there is one.
+fn follow_head(added: On<Add, XrHead>, mut commands: Commands) {
+    commands.entity(added.entity).insert(PanelViewer);
 }
 
 /// Triggers, or what a controller has instead, press.

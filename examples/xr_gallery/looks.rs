@@ -36,12 +36,12 @@ impl Default for Adapted {
 /// What a photographer would choose in a room, as exposure value at ISO 100.
 pub fn exposure(place: Vec3, floor: &Floor) -> f32 {
     match floor.room(place.with_y(1.0)) {
-        Some(RED) => 6.6,
-        Some(WINDOW) => 7.4,
-        Some(HALL) => 8.3,
+        Some(RED) => 6.7,
+        Some(WINDOW) => 7.8,
+        Some(HALL) => 8.7,
         // In the doors, between both.
-        _ if place.x > 0.0 => 7.4,
-        _ => 7.8,
+        _ if place.x > 0.0 => 7.7,
+        _ => 8.2,
     }
 }
 

@@ -104,16 +104,17 @@ fn build(app: &mut App, args: &Args, light: BackendFactory) {
         converged_paths: args.paths.unwrap_or(if args.tour.is_some() { 512 } else { 4096 }),
         ..default()
     };
-    app.insert_resource(settings)
+    // The gallery's own section is the panel's first.
+    app.register_type::<settings::Gallery>()
+        .init_resource::<settings::Gallery>()
+        .add_panel_resource::<settings::Gallery>("Gallery")
+        .insert_resource(settings)
         .insert_resource(ControlsInForce { bindings: bindings(), ..default() })
         .add_plugins(FarlightPlugins.set(GiPlugin::with_backend(move |settings| light(settings))))
         .insert_resource(GlobalAmbientLight::NONE)
         .insert_resource(ClearColor(Color::BLACK))
-        .register_type::<settings::Gallery>()
-        .init_resource::<settings::Gallery>()
         .init_resource::<plan::Floor>()
         .init_resource::<looks::Adapted>()
-        .add_panel_resource::<settings::Gallery>("Gallery")
         .add_plugins((exhibits::plugin, grab::plugin, hands::plugin, lamp::plugin, moving::plugin))
         .add_systems(PreStartup, sky::spawn)
         .add_systems(Startup, (rooms::spawn, labels::spawn, looks::spawn))

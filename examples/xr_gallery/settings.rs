@@ -1,31 +1,35 @@
 //! What people change in the gallery's panel.
 
 use bevy::prelude::*;
+use farlight::panel::field::{Label, Step, Unit};
 
 /// The gallery's own settings.
 #[derive(Resource, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Resource, Default)]
 pub struct Gallery {
-    /// Whether the lamp is on.
+    /// Whether the lantern is on.
+    #[reflect(@Label("Lantern"))]
     pub lamp: bool,
-    /// How much light the lamp gives, in lumens.
-    #[reflect(@100.0..=20000.0_f32)]
+    /// How much light the lantern gives.
+    #[reflect(@100.0..=20000.0_f32, @Unit("lm"), @Step(100.0), @Label("Lantern's light"))]
     pub lamp_power: f32,
-    /// The lamp's colour as the temperature of a glowing body, in kelvin: low is warm.
-    #[reflect(@1800.0..=8000.0_f32)]
+    /// The lantern's colour as the temperature of a glowing body: low is warm.
+    #[reflect(@1800.0..=8000.0_f32, @Unit("K"), @Step(100.0), @Label("Lantern's colour"))]
     pub lamp_colour: f32,
     /// Whether the sculpture in the hall turns.
+    #[reflect(@Label("Sculpture turns"))]
     pub turning: bool,
     /// Whether the sun shines.
+    #[reflect(@Label("Sun"))]
     pub sun: bool,
-    /// How high the sun stands, in degrees.
-    #[reflect(@10.0..=80.0_f32)]
+    /// How high the sun stands.
+    #[reflect(@10.0..=80.0_f32, @Unit("°"), @Step(1.0))]
     pub sun_height: f32,
-    /// Where the sun stands, in degrees from north over east.
-    #[reflect(@0.0..=360.0_f32)]
+    /// Where the sun stands, from north over east.
+    #[reflect(@0.0..=360.0_f32, @Unit("°"), @Step(1.0))]
     pub sun_direction: f32,
-    /// Brighter or darker than the photographer's choice, in stops.
-    #[reflect(@-3.0..=3.0_f32)]
+    /// Brighter or darker than the photographer's choice.
+    #[reflect(@-3.0..=3.0_f32, @Unit("EV"), @Step(0.1))]
     pub exposure: f32,
 }
 

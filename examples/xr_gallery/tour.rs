@@ -279,9 +279,76 @@ impl Tour<'_> {
         Ok(())
     }
 
-    /// The panel in the world, and a hand that presses a switch of it.
+    /// The panel in the world, and a hand whose ray looks for the lantern's switch and presses it.
     fn panel(&mut self) -> Result<(), String> {
-        Ok(())
+        let feet = Vec3::new(0.9, 0.0, 2.6);
+        self.world().resource_mut::<XrRig>().0 = Transform::from_translation(feet);
+        self.world().resource_mut::<PanelState>().menu = true;
+        let hand = Vec3::new(0.24, HEAD - 0.42, -0.28);
+        let ahead = Vec3::new(0.0, HEAD - 0.15, -1.2);
+        self.point(Hand::Right, hand, ahead - hand);
+        self.look(
+            feet + Vec3::new(-0.28, HEAD + 0.08, 0.12),
+            feet + Vec3::new(0.1, HEAD - 0.2, -1.2),
+        )?;
+        self.frames(30)?;
+        self.activate_desktop(false);
+        let found = self.press_switch(hand)?;
+        self.activate_desktop(true);
+        match found {
+            Some(target) => println!("panel: pressed the lantern's switch at {target:.2}"),
+            None => println!("panel: nothing was pressed"),
+        }
+        self.frames(6)?;
+        self.picture("panel")?;
+        self.world().resource_mut::<PanelState>().menu = false;
+        self.world().resource_mut::<Gallery>().lamp = true;
+        self.hide_hands();
+        self.frames(3)
+    }
+
+    /// Moves the right hand's ray over the panel, line by line from the right, and presses until the
+    /// lantern goes out. Says where that was.
+    fn press_switch(&mut self, hand: Vec3) -> Result<Option<Vec3>, String> {
+        for row in 0..24 {
+            for column in 0..22 {
+                let target =
+                    Vec3::new(0.42 - 0.04 * column as f32, HEAD + 0.40 - 0.03 * row as f32, -1.25);
+                self.point(Hand::Right, hand, target - hand);
+                self.frames(1)?;
+                if !self.meets_panel() {
+                    continue;
+                }
+                for pressed in [1.0, 0.0] {
+                    self.press(Hand::Right, Xr::Trigger, Vec2::new(pressed, 0.0));
+                    self.frames(2)?;
+                }
+                if !self.world().resource::<Gallery>().lamp {
+                    return Ok(Some(target));
+                }
+                if !self.world().resource::<PanelState>().menu {
+                    // That was the cross.
+                    self.world().resource_mut::<PanelState>().menu = true;
+                    self.frames(4)?;
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    fn meets_panel(&mut self) -> bool {
+        let world = self.world();
+        let mut rays = world.query::<&farlight::panel::PanelRay>();
+        rays.iter(world).any(|ray| ray.hand == Some(Hand::Right) && ray.hit.is_some())
+    }
+
+    /// Whether the camera of the desktop draws.
+    fn activate_desktop(&mut self, draws: bool) {
+        let world = self.world();
+        let mut cameras = world.query_filtered::<&mut Camera, With<DesktopCamera>>();
+        for mut camera in cameras.iter_mut(world) {
+            camera.is_active = draws;
+        }
     }
 
     /// The lantern in another room, and its light everywhere.
