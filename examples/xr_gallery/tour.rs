@@ -338,7 +338,7 @@ impl Tour<'_> {
 
     fn meets_panel(&mut self) -> bool {
         let world = self.world();
-        let mut rays = world.query::<&farlight::panel::PanelRay>();
+        let mut rays = world.query::<&PanelRay>();
         rays.iter(world).any(|ray| ray.hand == Some(Hand::Right) && ray.hit.is_some())
     }
 
