@@ -1,6 +1,8 @@
 //! The gallery: its walls and its teleport by themselves, and its tour as a person runs it without window
 //! and headset, only smaller.
 
+#![allow(unreachable_pub, reason = "the modules of the example read like a library's")]
+
 #[path = "../examples/xr_gallery/building.rs"]
 #[expect(dead_code, reason = "its shell is drawn by the example alone")]
 mod building;
@@ -225,12 +227,14 @@ fn a_tour_without_window_and_headset() {
     // Who lets go stands on the marker.
     let [far, off] = numbers(&report, "teleport:")[..] else { panic!("{report}") };
     assert!(far > 1.5 && off < 0.01, "{report}");
-    // The ray pressed a switch of the panel in the world.
-    assert!(report.contains("panel: pressed"), "{report}");
 
-    // Eyes 63 mm apart see the plinth in front of them farther apart than the wall behind it.
+    // What is near is farther to the left in the right eye's picture; what is far, less so. The round
+    // plinth's edge is 2.2 m away, the painting on the wall behind it 4.7 m.
     let [left, right] = [picture("left"), picture("right")];
     assert!(difference(&left, &right) > 1.0);
+    let [plinth, painting] =
+        [(112..132), (45..75)].map(|rows| disparity(&left, &right, rows, 70..170));
+    println!("{plinth} and {painting} pixels apart");
 }
 
 #[test]
