@@ -19,7 +19,7 @@ mod exhibits;
 mod grab;
 mod hands;
 #[path = "../common/headless.rs"]
-#[allow(dead_code, reason = "shared with others, which use more of it")]
+#[expect(dead_code, reason = "shared with others, which use more of it")]
 mod headless;
 mod labels;
 mod lamp;
@@ -109,7 +109,7 @@ fn build(app: &mut App, args: &Args, light: BackendFactory) {
         .init_resource::<settings::Gallery>()
         .add_panel_resource::<settings::Gallery>("Gallery")
         .insert_resource(settings)
-        .insert_resource(ControlsInForce { bindings: bindings(), ..default() })
+        .insert_resource(ControlsInForce { bindings: bindings() })
         .add_plugins(FarlightPlugins.set(GiPlugin::with_backend(move |settings| light(settings))))
         .insert_resource(GlobalAmbientLight::NONE)
         .insert_resource(ClearColor(Color::BLACK))
