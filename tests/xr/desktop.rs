@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use bevy::{prelude::*, winit::WinitPlugin};
+use bevy::{prelude::*, render::pipelined_rendering::PipelinedRenderingPlugin, winit::WinitPlugin};
 use farlight::{
     prelude::*,
     xr::{XrEye, XrFocus},
@@ -26,7 +26,9 @@ fn program() {
             exit_condition: bevy::window::ExitCondition::DontExit,
             ..default()
         })
-        .disable::<WinitPlugin>();
+        .disable::<WinitPlugin>()
+        // A process that ends while another thread draws may crash in the driver.
+        .disable::<PipelinedRenderingPlugin>();
     let xr = FarlightXr::default().switched_by(
         std::env::var("TEST_ARGUMENTS")
             .ok()

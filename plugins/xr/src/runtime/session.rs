@@ -1,6 +1,9 @@
 //! The session: what the app learns of it, how it begins again, and how it ends before the app does.
 
-use std::time::{Duration, Instant};
+use std::{
+    sync::atomic::Ordering,
+    time::{Duration, Instant},
+};
 
 use bevy::{
     prelude::*,
@@ -12,7 +15,8 @@ use bevy_mod_openxr::{
     session::OxrSession,
 };
 use bevy_mod_xr::session::{
-    XrCreateSessionMessage, XrFirst, XrHandleEvents, XrSessionDestroyedMessage, XrState,
+    XrCreateSessionMessage, XrDestroySessionMessage, XrDestroySessionRender, XrFirst,
+    XrHandleEvents, XrSessionDestroyedMessage, XrState,
 };
 use openxr::{Event, SessionState};
 
@@ -177,27 +181,40 @@ fn begin_again(
     }
 }
 
-/// An app that exits while its session runs first ends the session, as OpenXR wants it.
+/// An app that exits first ends its session, as OpenXR wants it, and waits until both worlds have let
+/// it go: what a session holds must not outlive the graphics device.
 fn hold_exit(
     mut exits: ResMut<Messages<AppExit>>,
     mut session: ResMut<Session>,
     present: Option<Res<OxrSession>>,
     started: Option<Res<OxrSessionStarted>>,
+    rendered: Option<Res<XrDestroySessionRender>>,
+    mut state: ResMut<XrState>,
+    mut destroy: MessageWriter<XrDestroySessionMessage>,
 ) {
+    let is_held = rendered.is_some_and(|flag| flag.0.load(Ordering::Relaxed));
+    let is_gone = present.is_none() && !is_held;
     if let Some((exit, since)) = session.exit.clone() {
         exits.clear();
-        if present.is_none() || since.elapsed() > PATIENCE {
+        if is_gone || since.elapsed() > PATIENCE {
             exits.write(exit);
         }
         return;
     }
-    let Some(present) = present else { return };
-    if !runs(started.as_deref()) || exits.is_empty() {
+    if is_gone || exits.is_empty() {
         return;
     }
     let wanted = exits.drain().reduce(|first, next| if first.is_error() { first } else { next });
     session.exit = wanted.map(|exit| (exit, Instant::now()));
     session.restart = None;
     session.ending = true;
-    request_exit(&present);
+    match present {
+        Some(present) if runs(started.as_deref()) => request_exit(&present),
+        // It never began, or has ended already: nothing more will come of it.
+        Some(_) if !matches!(*state, XrState::Exiting { .. }) => {
+            *state = XrState::Exiting { should_restart: false };
+            destroy.write_default();
+        }
+        _ => {}
+    }
 }
