@@ -3,16 +3,21 @@
 use bevy::{
     camera::{ManualTextureViewHandle, RenderTarget, ShadowLodOrigin},
     prelude::*,
-    render::{Extract, ExtractSchedule, Render, RenderApp, texture::ManualTextureViews},
+    render::{
+        Extract, ExtractSchedule, Render, RenderApp, render_resource::PollType,
+        renderer::RenderDevice, texture::ManualTextureViews,
+    },
 };
 use bevy_mod_openxr::{
     init::should_run_frame_loop,
     render::{OxrWaitFrameSystem, XR_TEXTURE_INDEX, locate_views},
-    resources::{OxrCurrentSessionConfig, OxrFrameState, OxrViews},
+    resources::{OxrCurrentSessionConfig, OxrFrameState, OxrSessionStarted, OxrViews},
 };
 use bevy_mod_xr::{
     camera::XrViewInit,
-    session::{XrFirst, XrHandleEvents, XrPreDestroySession, XrRenderSystems, XrSessionCreated},
+    session::{
+        XrFirst, XrHandleEvents, XrPreDestroySession, XrRenderSystems, XrSessionCreated, XrState,
+    },
 };
 
 use crate::{
@@ -27,13 +32,7 @@ pub(super) fn build(app: &mut App, settings: &FarlightXr) {
     app.insert_resource(Near(settings.near))
         .add_systems(XrSessionCreated, spawn.after(XrViewInit))
         .add_systems(XrPreDestroySession, despawn)
-        .add_systems(
-            XrFirst,
-            activate
-                .run_if(should_run_frame_loop)
-                .after(OxrWaitFrameSystem)
-                .in_set(XrHandleEvents::FrameLoop),
-        )
+        .add_systems(XrFirst, activate.after(OxrWaitFrameSystem).in_set(XrHandleEvents::FrameLoop))
         .add_systems(
             PostUpdate,
             read_views.after(locate_views).before(XrSystems::Follow).run_if(should_run_frame_loop),
@@ -41,6 +40,7 @@ pub(super) fn build(app: &mut App, settings: &FarlightXr) {
     if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
         render_app
             .init_resource::<DrawnViews>()
+            .add_systems(XrPreDestroySession, finish_drawing)
             .add_systems(ExtractSchedule, extract_views)
             .add_systems(
                 Render,
@@ -101,13 +101,26 @@ fn despawn(
     }
 }
 
-/// Eyes draw when the runtime wants pictures.
-fn activate(frame: Option<Res<OxrFrameState>>, mut eyes: Query<&mut Camera, With<XrEye>>) {
-    let Some(frame) = frame else { return };
+/// Eyes draw when the runtime wants pictures; never into what it has taken back.
+fn activate(
+    started: Option<Res<OxrSessionStarted>>,
+    state: Option<Res<XrState>>,
+    frame: Option<Res<OxrFrameState>>,
+    mut eyes: Query<&mut Camera, (With<XrEye>, With<OfSession>)>,
+) {
+    let is_wanted =
+        should_run_frame_loop(started, state) && frame.is_some_and(|frame| frame.should_render);
     for mut camera in &mut eyes {
-        if camera.is_active != frame.should_render {
-            camera.is_active = frame.should_render;
+        if camera.is_active != is_wanted {
+            camera.is_active = is_wanted;
         }
+    }
+}
+
+/// Pictures of the runtime must not go while they are being drawn.
+fn finish_drawing(device: Res<RenderDevice>) {
+    if let Err(error) = device.poll(PollType::wait_indefinitely()) {
+        debug!("the graphics device doesn't finish: {error}");
     }
 }
 
