@@ -1,6 +1,6 @@
 //! An app without a window, and somebody who uses its devices through Bevy's own messages.
 
-use std::time::Duration;
+use std::{path::Path, time::Duration};
 
 use bevy::{
     ecs::system::RunSystemOnce,
@@ -17,7 +17,9 @@ use bevy::{
     prelude::*,
     time::TimeUpdateStrategy,
 };
-use farlight::controls::{Controls, ControlsPlugin, XrControllers, actions::NamedAction};
+use farlight::controls::{
+    Controls, ControlsPlugin, GamepadThreadPlugin, UserFile, XrControllers, actions::NamedAction,
+};
 use farlight_bindings::{Hand, Profile, Xr};
 
 /// Length of a frame in seconds.
@@ -31,19 +33,48 @@ pub(crate) struct Player {
 impl Player {
     /// An app with the default bindings; no gamepads of the machine, nothing that is saved.
     pub(crate) fn new() -> Self {
-        Self::with(ControlsPlugin { gamepads: false, user_file: None, ..default() })
+        Self::with(ControlsPlugin { gamepads: false, user_file: UserFile::Nowhere, ..default() })
     }
 
     pub(crate) fn with(plugin: ControlsPlugin) -> Self {
+        Self::with_plugins(plugin, None)
+    }
+
+    pub(crate) fn with_assets(plugin: ControlsPlugin, folder: &Path) -> Self {
+        let file_path = folder.display().to_string();
+        Self::build(plugin, None, AssetPlugin { file_path, ..default() })
+    }
+
+    pub(crate) fn with_plugins(
+        plugin: ControlsPlugin,
+        gamepads: Option<GamepadThreadPlugin>,
+    ) -> Self {
+        Self::build(plugin, gamepads, AssetPlugin::default())
+    }
+
+    fn build(
+        plugin: ControlsPlugin,
+        gamepads: Option<GamepadThreadPlugin>,
+        assets: AssetPlugin,
+    ) -> Self {
         let mut app = App::new();
-        app.add_plugins((MinimalPlugins, AssetPlugin::default(), InputPlugin, plugin))
-            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(FRAME)));
+        app.add_plugins((MinimalPlugins, assets, InputPlugin, plugin));
+        if let Some(gamepads) = gamepads {
+            app.add_plugins(gamepads);
+        }
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(FRAME)));
         app.finish();
         app.cleanup();
         let window = app.world_mut().spawn_empty().id();
         let mut player = Self { app, window };
         player.frame();
         player
+    }
+
+    /// How long frames are from now on, in seconds.
+    pub(crate) fn set_frame(&mut self, seconds: f32) {
+        let length = Duration::from_secs_f32(seconds);
+        self.app.insert_resource(TimeUpdateStrategy::ManualDuration(length));
     }
 
     pub(crate) fn frame(&mut self) {

@@ -8,6 +8,7 @@ pub(crate) const HELP: &str = "\
 cargo xtask bench [tracing] [--no-install] [-- OPTIONS]
 cargo xtask bench btf [--gpu | --frames] [--json FILE] [--no-install] [-- OPTIONS]
 cargo xtask bench ibl [--json FILE] [--no-install] [-- OPTIONS]
+cargo xtask bench controls [--json FILE] [--no-install] [-- OPTIONS]
 cargo xtask bench reference [--samples N] [--no-install]
 cargo xtask bench soak [server | demo] [--minutes N | --seconds N] [--no-install]
 
@@ -24,6 +25,8 @@ cargo xtask bench soak [server | demo] [--minutes N | --seconds N] [--no-install
                  that of StandardMaterial in the same run
   ibl            the time of a frame while the environment's light refines, still and in motion, over
                  that of the same lights alone, and of a refined picture, at two resolutions
+  controls       what the systems of the controls take of a frame while gamepads come and go, move and
+                 hang, over a quiet desk
   reference      bakes two scenes and compares irradiance, probes and visibility with those of an
                  independent renderer, in the folder that FARLIGHT_TEST_DATA names
   soak server    runs `farlight serve` and clients that come, get light, leave in every way, come back
@@ -86,6 +89,12 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
             setup::prepare(&[Purpose::Build, Purpose::Render], install);
             time_frames("ibl_frame_time", json.as_deref(), &rest)
         }
+        Some("controls") => {
+            let json = args.value("--json")?;
+            let rest = args.finish()?;
+            setup::prepare(&[Purpose::Build], install);
+            time_frames("controls_frame_time", json.as_deref(), &rest)
+        }
         Some("reference") => {
             let samples = args.parsed::<u32>("--samples", "a number of paths")?.unwrap_or(65_536);
             args.finish()?;
@@ -116,9 +125,9 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
             }
             Ok(())
         }
-        Some(other) => {
-            Err(format!("there is no benchmark '{other}': tracing, btf, ibl, reference, soak."))
-        }
+        Some(other) => Err(format!(
+            "there is no benchmark '{other}': tracing, btf, ibl, controls, reference, soak."
+        )),
     }
 }
 

@@ -10,7 +10,65 @@ pub trait NamedAction: InputAction {
     fn info() -> ActionInfo;
 }
 
-macro_rules! output {
+/// Declares actions of a game: type, kind (`Button`, `Axis`, `Axis2`), name in files, words for people,
+/// context (`Scene`, `Global`, `Panel`) and, of axes, what a value of 1 is.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use farlight_controls::{AddAction, Controls, named_action};
+///
+/// named_action! {
+///     /// Rings the bell.
+///     pub struct RingBell: Button, "ring_bell", "Ring the bell", Scene;
+///     /// Raises and lowers the bridge.
+///     pub struct Bridge: Axis, "bridge", "Raise, lower the bridge", Scene, "metres";
+/// }
+///
+/// fn play(controls: Controls) {
+///     if controls.started::<RingBell>() {
+///         info!("ding");
+///     }
+///     let raised = controls.axis::<Bridge>();
+/// #   let _ = raised;
+/// }
+///
+/// # let mut app = App::new();
+/// app.add_action::<RingBell>().add_action::<Bridge>().add_systems(Update, play);
+/// ```
+///
+/// Bindings come from a file, by name: `"ring_bell": (keyboard_mouse: ["KeyJ"], gamepad: ["Mode"])`.
+#[macro_export]
+macro_rules! named_action {
+    ($($(#[$meta:meta])* $vis:vis struct $type:ident: $kind:ident, $name:literal, $label:literal,
+        $context:ident $(, $unit:literal)?;)*) => {
+        $(
+            $(#[$meta])*
+            #[derive(Clone, Copy, Debug)]
+            $vis struct $type;
+
+            impl $crate::bevy_enhanced_input::prelude::InputAction for $type {
+                type Output = $crate::action_output!($kind);
+            }
+
+            impl $crate::actions::NamedAction for $type {
+                fn info() -> $crate::bindings::ActionInfo {
+                    $crate::bindings::ActionInfo {
+                        name: $name,
+                        label: $label,
+                        kind: $crate::bindings::ActionKind::$kind,
+                        context: $crate::bindings::Context::$context,
+                        unit: concat!($($unit)?),
+                    }
+                }
+            }
+        )*
+    };
+}
+
+/// What an action of a kind gives.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! action_output {
     (Button) => {
         bool
     };
@@ -18,33 +76,18 @@ macro_rules! output {
         f32
     };
     (Axis2) => {
-        bevy::math::Vec2
+        $crate::Vec2
     };
 }
 
 macro_rules! types {
     ($($type:ident, $name:literal, $kind:ident, $context:ident, $label:literal, $unit:literal;)*) => {
-        $(
-            #[doc = $label]
-            #[derive(Clone, Copy, Debug)]
-            pub struct $type;
-
-            impl InputAction for $type {
-                type Output = output!($kind);
-            }
-
-            impl NamedAction for $type {
-                fn info() -> ActionInfo {
-                    ActionInfo {
-                        name: $name,
-                        label: $label,
-                        kind: farlight_bindings::ActionKind::$kind,
-                        context: farlight_bindings::Context::$context,
-                        unit: $unit,
-                    }
-                }
-            }
-        )*
+        $crate::named_action! {
+            $(
+                #[doc = $label]
+                pub struct $type: $kind, $name, $label, $context, $unit;
+            )*
+        }
 
         pub(crate) fn add_all(app: &mut bevy::app::App) {
             use crate::AddAction as _;

@@ -43,6 +43,8 @@ pub(crate) struct Frame {
     pub(crate) seconds: f32,
     /// Whether actions of panels are heard, and take their inputs from others.
     pub(crate) panel: bool,
+    /// Nobody is heard: an input is being chosen.
+    pub(crate) mute: bool,
     /// Controllers of a headset.
     pub(crate) profile: Option<Profile>,
 }
@@ -81,7 +83,8 @@ impl Evaluator {
             }
             let memory = &mut self.memory[at];
             let masked = binding.masks.iter().any(|mask| self.armed[usize::from(*mask)])
-                || (binding.in_panel && frame.panel);
+                || (binding.in_panel && frame.panel)
+                || frame.mute;
             let unheard = binding.context == Context::Panel && !frame.panel;
             // A button counts only if it is pressed while the others are held; a stick that is already
             // pushed may go over to another action.

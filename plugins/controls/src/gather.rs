@@ -5,27 +5,30 @@ use bevy::{
     input::{
         keyboard::KeyboardFocusLost,
         mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll, MouseScrollUnit},
+        touch::TouchInput,
     },
     prelude::*,
 };
-use farlight_bindings::{Hand, Mouse, Pad, Profile, Wii};
+use farlight_bindings::{Hand, Mouse, Pad, Profile, Touch, Wii};
 
 use crate::{
     XrControllers,
     inputs::Inputs,
     slots::{Bases, SLOTS},
+    touch::Fingers,
 };
 
 /// Bevy's devices.
 #[derive(SystemParam)]
 pub(crate) struct Devices<'w, 's> {
-    keys: Res<'w, ButtonInput<KeyCode>>,
-    buttons: Res<'w, ButtonInput<MouseButton>>,
-    motion: Res<'w, AccumulatedMouseMotion>,
-    scroll: Res<'w, AccumulatedMouseScroll>,
+    keys: Option<Res<'w, ButtonInput<KeyCode>>>,
+    buttons: Option<Res<'w, ButtonInput<MouseButton>>>,
+    motion: Option<Res<'w, AccumulatedMouseMotion>>,
+    scroll: Option<Res<'w, AccumulatedMouseScroll>>,
     pads: Query<'w, 's, (Entity, &'static Gamepad, Option<&'static Name>)>,
     lost: MessageReader<'w, 's, KeyboardFocusLost>,
-    pub(crate) hands: Res<'w, XrControllers>,
+    touches: MessageReader<'w, 's, TouchInput>,
+    hands: Res<'w, XrControllers>,
 }
 
 #[rustfmt::skip]
@@ -88,28 +91,53 @@ pub(crate) struct Found {
 }
 
 impl Devices<'_, '_> {
-    /// Reads all but fingers.
-    pub(crate) fn read(&mut self, bases: &Bases, inputs: &mut Inputs) -> Found {
+    /// Reads all of them. `seconds` have passed since the last frame; `panel` says that the pointer is on
+    /// a panel.
+    pub(crate) fn read(
+        &mut self,
+        bases: &Bases,
+        inputs: &mut Inputs,
+        fingers: &mut Fingers,
+        seconds: f32,
+        panel: bool,
+    ) -> Found {
         inputs.clear();
         self.read_desk(bases, inputs);
         let mut found = Found {
             lost: self.lost.read().count() > 0,
-            pixels: self.motion.delta.length(),
+            pixels: self.motion.as_ref().map_or(0.0, |motion| motion.delta.length()),
             profile: self.read_hands(bases, inputs),
             ..default()
         };
         self.read_pads(bases, inputs, &mut found);
+        if found.lost {
+            fingers.clear();
+        }
+        for event in self.touches.read() {
+            fingers.hear(event);
+        }
+        let gesture = fingers.frame(seconds, panel);
+        for touch in Touch::ALL {
+            inputs.values[bases.touch(*touch)] = gesture.value(*touch);
+        }
+        found.fingers = fingers.any() || gesture.tap.is_some();
         found
     }
 
     /// Keyboard and mouse. What was pressed and let go within the frame was pressed.
     fn read_desk(&self, bases: &Bases, inputs: &mut Inputs) {
-        for key in self.keys.get_pressed().chain(self.keys.get_just_pressed()) {
+        let keys = self.keys.iter();
+        for key in keys.flat_map(|keys| keys.get_pressed().chain(keys.get_just_pressed())) {
             if let Some(slot) = SLOTS.key(*key) {
                 inputs.values[slot].x = 1.0;
             }
         }
-        let moved = self.motion.delta * Vec2::new(1.0, -1.0);
+        let (Some(buttons), Some(motion), Some(scroll)) =
+            (&self.buttons, &self.motion, &self.scroll)
+        else {
+            return;
+        };
+        let moved = motion.delta * Vec2::new(1.0, -1.0);
         for (button, mouse, drag) in [
             (MouseButton::Left, Mouse::Left, Some(Mouse::LeftDrag)),
             (MouseButton::Right, Mouse::Right, Some(Mouse::RightDrag)),
@@ -117,7 +145,7 @@ impl Devices<'_, '_> {
             (MouseButton::Back, Mouse::Back, None),
             (MouseButton::Forward, Mouse::Forward, None),
         ] {
-            if self.buttons.pressed(button) || self.buttons.just_pressed(button) {
+            if buttons.pressed(button) || buttons.just_pressed(button) {
                 inputs.values[bases.mouse(mouse)].x = 1.0;
                 if let Some(drag) = drag {
                     inputs.values[bases.mouse(drag)] = moved;
@@ -125,10 +153,10 @@ impl Devices<'_, '_> {
             }
         }
         inputs.values[bases.mouse(Mouse::Move)] = moved;
-        let lines = match self.scroll.unit {
-            MouseScrollUnit::Line => self.scroll.delta.y,
+        let lines = match scroll.unit {
+            MouseScrollUnit::Line => scroll.delta.y,
             MouseScrollUnit::Pixel => {
-                self.scroll.delta.y / MouseScrollUnit::SCROLL_UNIT_CONVERSION_FACTOR
+                scroll.delta.y / MouseScrollUnit::SCROLL_UNIT_CONVERSION_FACTOR
             }
         };
         inputs.values[bases.mouse(Mouse::Wheel)].x = lines;

@@ -2,15 +2,21 @@
 
 use std::path::PathBuf;
 
-use bevy::{input::InputSystems, prelude::*};
+use bevy::{
+    input::{InputSystems, keyboard::KeyboardFocusLost, touch::TouchInput},
+    prelude::*,
+};
 use bevy_enhanced_input::prelude::*;
 use farlight_bindings::Bindings;
 
 use crate::{
-    ActionPerformed, ActiveDevice, InputCapture, XrControllers, actions,
+    ActionPerformed, ActionRecorder, ActionReplay, ActiveDevice, ControlsFile, ControlsStatus,
+    GamepadThreadPlugin, InputCapture, Rebinding, XrControllers, actions,
     contexts::{GlobalContext, PanelContext, SceneContext},
     device,
+    layers::{self, ControlsLoader},
     read::{self, ActionEntities},
+    rebinding, recorder,
     sample::{self, Sampling},
     spawn,
 };
@@ -18,18 +24,33 @@ use crate::{
 /// Input actions for every device.
 #[derive(Clone, Debug)]
 pub struct ControlsPlugin {
-    /// An asset with bindings, such as `config/controls.ron`; without one, the defaults count.
+    /// An asset with bindings, such as `config/game.controls.ron`; without one, the defaults count.
+    /// Changes of the file reach the game when the asset server watches files.
     pub file: Option<String>,
-    /// Where the user's own changes are kept; `None` keeps none.
-    pub user_file: Option<PathBuf>,
-    /// Whether gamepads of the machine are read (unless the app has Bevy's own reader of them).
+    /// Where the user's own changes are kept.
+    pub user_file: UserFile,
+    /// Whether gamepads of the machine are read, in a thread of their own. If the app has Bevy's own
+    /// reader of them (`bevy_gilrs`), that one reads.
     pub gamepads: bool,
 }
 
 impl Default for ControlsPlugin {
     fn default() -> Self {
-        Self { file: None, user_file: None, gamepads: true }
+        Self { file: None, user_file: UserFile::default(), gamepads: true }
     }
+}
+
+/// Where the user's own changes are kept. They go over the game's file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum UserFile {
+    /// `controls.ron` in a folder with the program's name in the user's folder for configuration:
+    /// `~/.config/my_game/controls.ron` on Linux.
+    #[default]
+    OfTheProgram,
+    /// This file.
+    At(PathBuf),
+    /// Nowhere: changes last as long as the program runs.
+    Nowhere,
 }
 
 /// The bindings that count now. Change them, and the next frame follows.
@@ -42,6 +63,8 @@ pub struct ControlsInForce {
 /// Systems of `PreUpdate`, in order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ControlsSystems {
+    /// What the thread of gamepads has read becomes Bevy's messages; before Bevy's `InputSystems`.
+    Gamepads,
     /// Bindings become values; after Bevy's `InputSystems`, before `EnhancedInputSystems::Update`.
     Sample,
     /// Actions have their values; after `EnhancedInputSystems::Apply`.
@@ -62,7 +85,13 @@ impl Plugin for ControlsPlugin {
             .init_resource::<ActiveDevice>()
             .init_resource::<InputCapture>()
             .init_resource::<XrControllers>()
+            .init_resource::<ControlsStatus>()
+            .init_resource::<Rebinding>()
+            .init_resource::<ActionRecorder>()
+            .init_resource::<ActionReplay>()
             .add_message::<ActionPerformed>()
+            .add_message::<KeyboardFocusLost>()
+            .add_message::<TouchInput>()
             .configure_sets(
                 PreUpdate,
                 (
@@ -76,12 +105,35 @@ impl Plugin for ControlsPlugin {
             .add_systems(
                 PreUpdate,
                 (
-                    (sample::rebind, sample::follow_panel, sample::sample, device::follow_device)
+                    (
+                        sample::rebind,
+                        sample::follow_panel,
+                        sample::sample,
+                        device::follow_device,
+                        rebinding::rebind,
+                        recorder::replay,
+                    )
                         .chain()
                         .in_set(ControlsSystems::Sample),
-                    read::announce.in_set(ControlsSystems::Announce),
+                    (read::announce, recorder::record).in_set(ControlsSystems::Announce),
                 ),
             );
+        if app.is_plugin_added::<AssetPlugin>() {
+            app.init_asset::<ControlsFile>()
+                .init_asset_loader::<ControlsLoader>()
+                .add_systems(PreUpdate, layers::follow_file.before(ControlsSystems::Sample));
+        }
+        let user_file = match &self.user_file {
+            UserFile::OfTheProgram => layers::default_user_file(),
+            UserFile::At(path) => Some(path.clone()),
+            UserFile::Nowhere => None,
+        };
+        layers::open(app.world_mut(), self.file.as_deref(), user_file);
+        app.add_systems(Last, (layers::check, layers::save).chain());
         actions::add_all(app);
+        #[cfg(not(target_family = "wasm"))]
+        if self.gamepads && !app.is_plugin_added::<GamepadThreadPlugin>() {
+            app.add_plugins(GamepadThreadPlugin::of_the_machine());
+        }
     }
 }

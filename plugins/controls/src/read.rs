@@ -64,6 +64,40 @@ impl Controls<'_, '_> {
     }
 }
 
+/// What any action says, by its name: for lists of all of them.
+#[derive(SystemParam)]
+pub struct ActionValues<'w, 's> {
+    entities: Res<'w, ActionEntities>,
+    actions: Query<'w, 's, (&'static ActionValue, &'static TriggerState)>,
+}
+
+/// What an action says in this frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ActionSays {
+    /// Which.
+    pub info: ActionInfo,
+    /// Whether it is used in this frame.
+    pub held: bool,
+    /// Its value in its unit; buttons are 1 or 0, and what has one number has it in `x`.
+    pub value: Vec2,
+}
+
+impl ActionValues<'_, '_> {
+    /// What an action says, if the app has it.
+    pub fn get(&self, name: &str) -> Option<ActionSays> {
+        self.iter().find(|says| says.info.name == name)
+    }
+
+    /// What all say, in the order in which they were added.
+    pub fn iter(&self) -> impl Iterator<Item = ActionSays> {
+        self.entities.all.iter().filter_map(|ActionEntity { info, entity, .. }| {
+            let (value, state) = self.actions.get(*entity).ok()?;
+            let held = *state == TriggerState::Fired;
+            Some(ActionSays { info: *info, held, value: value.as_axis2d() })
+        })
+    }
+}
+
 /// Somebody pressed a button of an action: for notifications, sounds, statistics.
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
 pub struct ActionPerformed {

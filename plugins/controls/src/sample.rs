@@ -12,8 +12,10 @@ use crate::{
     inputs::Inputs,
     plugin::ControlsInForce,
     read::ActionEntities,
+    rebinding::Rebinding,
     slots::{Bases, Slot},
     spawn::ControlsRoot,
+    touch::Fingers,
 };
 
 /// What is sampled.
@@ -26,6 +28,7 @@ pub(crate) struct Sampling {
     said: Vec<Said>,
     presses: (Option<Profile>, Vec<Slot>),
     pub(crate) found: Found,
+    fingers: Fingers,
     /// Bindings in force are not compiled yet.
     stale: bool,
 }
@@ -39,6 +42,7 @@ impl Default for Sampling {
             said: Vec::new(),
             presses: (None, Vec::new()),
             found: Found::default(),
+            fingers: Fingers::default(),
             stale: true,
         }
     }
@@ -66,16 +70,24 @@ pub(crate) fn sample(
     mut devices: Devices,
     time: Res<Time<Real>>,
     capture: Res<InputCapture>,
+    rebinding: Res<Rebinding>,
     entities: Res<ActionEntities>,
     mut custom: ResMut<CustomInputs>,
 ) {
-    let Sampling { bases, inputs, evaluator, said, presses: pressing, found, .. } = &mut *sampling;
-    *found = devices.read(bases, inputs);
+    let Sampling { bases, inputs, evaluator, said, presses: pressing, found, fingers, .. } =
+        &mut *sampling;
+    let seconds = time.delta_secs();
+    *found = devices.read(bases, inputs, fingers, seconds, capture.pointer);
     if pressing.0 != found.profile {
         *pressing = (found.profile, presses(evaluator.bindings(), found.profile));
     }
     inputs.settle(&capture, &pressing.1, found.lost);
-    let frame = Frame { seconds: time.delta_secs(), panel: capture.panel, profile: found.profile };
+    let frame = Frame {
+        seconds,
+        panel: capture.panel,
+        mute: rebinding.is_waiting(),
+        profile: found.profile,
+    };
     evaluator.evaluate(inputs, frame, said);
     for (action, said) in entities.all.iter().zip(said.iter()) {
         custom.insert(action.input, value(action.info.kind, said.value));

@@ -35,6 +35,7 @@ pub(crate) struct Bases {
     pub(crate) mouse: usize,
     pub(crate) pad: usize,
     pub(crate) wii: usize,
+    pub(crate) touch: usize,
     pub(crate) hands: [usize; 2],
 }
 
@@ -47,7 +48,7 @@ impl Bases {
         let touch = wii + Wii::ALL.len();
         let left = touch + Touch::ALL.len();
         let right = left + Xr::ALL.len();
-        Self { mouse, pad, wii, hands: [left, right] }
+        Self { mouse, pad, wii, touch, hands: [left, right] }
     }
 
     /// The place of an input of the mouse.
@@ -63,6 +64,11 @@ impl Bases {
     /// The place of an input of a Wii Remote.
     pub(crate) fn wii(&self, wii: Wii) -> usize {
         self.wii + wii as usize
+    }
+
+    /// The place of a gesture.
+    pub(crate) fn touch(&self, touch: Touch) -> usize {
+        self.touch + touch as usize
     }
 
     /// The place of an input of a hand.
