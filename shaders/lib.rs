@@ -51,6 +51,7 @@ pub const MODULES: &[Module] = &modules![
     pure "ibl/accumulate.wgsl",
     pure "ibl/dots.wgsl",
     pure "ibl/present.wgsl",
+    pure "panel/quad.wgsl",
     pure "xr/show.wgsl",
     engine "lighting/surface.wgsl",
     engine "lighting/lights.wgsl",

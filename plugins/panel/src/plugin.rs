@@ -5,13 +5,14 @@ use bevy_egui::{EguiGlobalSettings, EguiInput, EguiPlugin, EguiPreUpdateSet, egu
 use farlight_controls::{ControlsSystems, InputCapture};
 
 use crate::{
-    PanelCamera, PanelPlace, PanelSettings, PanelViewer,
+    PanelCamera, PanelEye, PanelPlace, PanelSettings, PanelViewer, WorldPanel,
     help::Hint,
     notify::{self, Lines},
     screen::{self, Screen},
     sections::Sections,
     state::{Notification, PanelState},
     steer::{self, Steering},
+    world::{self, Pointed},
 };
 
 /// Panels of settings. Needs `ControlsPlugin`.
@@ -48,6 +49,7 @@ impl Plugin for PanelPlugin {
         app.register_type::<PanelSettings>()
             .register_type::<PanelPlace>()
             .register_type::<PanelCamera>()
+            .register_type::<PanelEye>()
             .register_type::<PanelViewer>()
             .insert_resource(self.settings.clone())
             .init_resource::<PanelState>()
@@ -72,7 +74,7 @@ impl Plugin for PanelPlugin {
                 PreUpdate,
                 (
                     screen::choose.before(EguiPreUpdateSet::InitContexts),
-                    capture.in_set(PanelSystems::Point),
+                    capture.in_set(PanelSystems::Point).after(world::point),
                     (
                         pass_time,
                         steer::open_and_close,
@@ -80,11 +82,13 @@ impl Plugin for PanelPlugin {
                         back,
                         notify::collect,
                         screen::show,
+                        world::show,
                     )
                         .chain()
                         .in_set(PanelSystems::Show),
                 ),
             );
+        world::build(app);
     }
 }
 
@@ -92,13 +96,23 @@ fn pass_time(mut hint: ResMut<Hint>, time: Res<Time<Real>>) {
     hint.pass(time.delta_secs());
 }
 
+/// The context that shows panels now.
+fn current<'a>(screen: &'a Screen, panel: &'a WorldPanel) -> Option<&'a egui::Context> {
+    if panel.transform().is_some() { panel.ctx() } else { screen.ctx() }
+}
+
 /// Closes what is on top.
-fn back(mut state: ResMut<PanelState>, steering: Res<Steering>, screen: Res<Screen>) {
+fn back(
+    mut state: ResMut<PanelState>,
+    steering: Res<Steering>,
+    screen: Res<Screen>,
+    panel: Res<WorldPanel>,
+) {
     if !steering.back {
         return;
     }
     // Of a text field it is the end of writing.
-    if screen.ctx().is_some_and(egui::Context::text_edit_focused) {
+    if current(&screen, &panel).is_some_and(egui::Context::text_edit_focused) {
         return;
     }
     if state.help {
@@ -112,26 +126,38 @@ fn back(mut state: ResMut<PanelState>, steering: Res<Steering>, screen: Res<Scre
 fn capture(
     state: Res<PanelState>,
     screen: Res<Screen>,
+    panel: Res<WorldPanel>,
+    pointed: Res<Pointed>,
     inputs: Query<&EguiInput>,
     mut capture: ResMut<InputCapture>,
 ) {
     let mut taken = InputCapture { panel: state.menu || state.help, ..default() };
-    if let (true, Some(ctx)) = (state.menu || state.help, screen.ctx()) {
+    if let (true, Some(ctx)) = (taken.panel, current(&screen, &panel)) {
         taken.keyboard = state.menu && ctx.text_edit_focused();
-        let events = screen.camera.and_then(|camera| inputs.get(camera).ok());
-        let moved = events.and_then(|input| {
-            input.events.iter().rev().find_map(|event| match event {
-                egui::Event::PointerMoved(at) => Some(*at),
-                egui::Event::PointerButton { pos, .. } => Some(*pos),
-                _ => None,
-            })
-        });
-        let over = moved.or_else(|| ctx.pointer_latest_pos()).is_some_and(|at| {
-            ctx.layer_id_at(at).is_some_and(|layer| layer.order != egui::Order::Background)
-        });
-        // A drag that began in the scene stays the scene's.
-        let elsewhere = ctx.input(|input| input.pointer.any_down()) && !ctx.egui_is_using_pointer();
-        taken.pointer = ctx.egui_is_using_pointer() || over && !elsewhere;
+        if panel.transform().is_some() {
+            taken.hands = pointed.hands;
+            taken.pointer = pointed.mouse;
+        } else {
+            let input = screen.camera.and_then(|camera| inputs.get(camera).ok());
+            taken.pointer = is_over(ctx, input);
+        }
     }
     capture.set_if_neq(taken);
+}
+
+/// Whether the pointer is on a panel of the screen, or drags something of it.
+fn is_over(ctx: &egui::Context, input: Option<&EguiInput>) -> bool {
+    let moved = input.and_then(|input| {
+        input.events.iter().rev().find_map(|event| match event {
+            egui::Event::PointerMoved(at) => Some(*at),
+            egui::Event::PointerButton { pos, .. } => Some(*pos),
+            _ => None,
+        })
+    });
+    let over = moved.or_else(|| ctx.pointer_latest_pos()).is_some_and(|at| {
+        ctx.layer_id_at(at).is_some_and(|layer| layer.order != egui::Order::Background)
+    });
+    // A drag that began in the scene stays the scene's.
+    let elsewhere = ctx.input(|input| input.pointer.any_down()) && !ctx.egui_is_using_pointer();
+    ctx.egui_is_using_pointer() || over && !elsewhere
 }

@@ -7,13 +7,13 @@ use bevy_egui::{
 };
 
 use crate::{
-    PanelCamera, PanelSettings, PanelState,
+    PanelCamera, PanelEye, PanelSettings, PanelState, WorldPanel,
     help::{self, Hint},
     menu::{self, Room, Steered},
     notify::{self, Lines},
-    place::Canvas,
     steer::{self, Steering},
     style,
+    world::{Canvas, is_world},
 };
 
 /// Which camera shows panels on the screen.
@@ -37,7 +37,7 @@ pub(crate) fn choose(
     mut screen: ResMut<Screen>,
     cameras: Query<
         (Entity, &Camera, &RenderTarget, Has<PanelCamera>),
-        (Without<Canvas>, Or<(With<Camera3d>, With<Camera2d>)>),
+        (Without<Canvas>, Without<PanelEye>, Or<(With<Camera3d>, With<Camera2d>)>),
     >,
 ) {
     let rank = |target: &RenderTarget| match target {
@@ -88,9 +88,17 @@ pub(crate) fn show(world: &mut World) {
     };
     let settings = world.resource::<PanelSettings>().clone();
     let state = world.resource::<PanelState>().clone();
-    let here = !crate::place::is_world(world);
+    let here = !is_world(world);
     let hint = if settings.hint { world.resource::<Hint>().opacity() } else { 0.0 };
     let lines = !world.resource::<Lines>().is_empty();
+    if !here {
+        // Keys come by the window.
+        let panel = world.resource::<WorldPanel>();
+        let writing = state.menu && panel.ctx().is_some_and(egui::Context::text_edit_focused);
+        steer::keep_text(&mut input.events, writing);
+        input.events.retain(is_typed);
+        world.resource_mut::<Steering>().typed.append(&mut input.events);
+    }
     let visible = here && (state.menu || state.help || lines || hint > 0.0);
     if !visible {
         if world.resource::<Screen>().shown {
@@ -133,6 +141,11 @@ pub(crate) fn show(world: &mut World) {
     if let Some(mut full) = world.get_mut::<EguiFullOutput>(camera) {
         **full = Some(output);
     }
+}
+
+fn is_typed(event: &egui::Event) -> bool {
+    use egui::Event;
+    matches!(event, Event::Key { .. } | Event::Text(_) | Event::Copy | Event::Cut | Event::Paste(_))
 }
 
 /// What is open, on any canvas.

@@ -31,6 +31,12 @@ pub struct PanelState {
 #[reflect(Component, Default, Debug, Clone)]
 pub struct PanelCamera;
 
+/// A camera that shows panels in the world beside the one of the screen: an eye of a headset. It never
+/// shows panels of the screen.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Debug, Clone)]
+pub struct PanelEye;
+
 /// The head of somebody who wears a headset: panels in the world follow it. Without one they follow
 /// the camera.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_egui::egui::{self, Event, Key, Modifiers};
 use farlight_controls::{Controls, actions};
 
-use crate::{PanelState, help::Hint};
+use crate::{PanelState, help::Hint, world::Pointed};
 
 /// Seconds until what is held repeats.
 const PATIENCE: f32 = 0.4;
@@ -15,6 +15,8 @@ const REPEATS: f32 = 0.08;
 #[derive(Resource, Default)]
 pub(crate) struct Steering {
     pub(crate) events: Vec<Event>,
+    /// What a window's keyboard says to a text field in the world.
+    pub(crate) typed: Vec<Event>,
     /// Lines, up is positive.
     pub(crate) scroll: f32,
     /// Whether the focus is what was used last, rather than a pointer.
@@ -56,10 +58,12 @@ pub(crate) fn steer(
     controls: Controls,
     state: Res<PanelState>,
     time: Res<Time<Real>>,
+    pointed: Res<Pointed>,
     mut steering: ResMut<Steering>,
 ) {
     let steering = &mut *steering;
     steering.events.clear();
+    steering.typed.clear();
     steering.scroll = 0.0;
     steering.back = (state.menu || state.help) && controls.started::<actions::PanelBack>();
     if !state.menu {
@@ -97,7 +101,8 @@ pub(crate) fn steer(
             steering.key(key, modifiers);
         }
     }
-    if controls.started::<actions::PanelPress>() {
+    // The trigger of a hand that points is a press where it points.
+    if controls.started::<actions::PanelPress>() && pointed.hands == [false; 2] {
         steering.key(Key::Enter, Modifiers::NONE);
     }
     steering.scroll = controls.axis::<actions::PanelScroll>();
