@@ -190,3 +190,27 @@ pub fn choice_row(ui: &mut Ui, label: &str, names: &[String], now: usize) -> Opt
 pub fn text_row(ui: &mut Ui, label: &str, text: impl Into<String>) {
     row(ui, label, None, |ui| show(ui, text));
 }
+
+/// A switch of a game's own in a section; true if somebody switched it.
+pub fn switch_row(ui: &mut Ui, label: &str, on: &mut bool) -> bool {
+    row(ui, label, None, |ui| switch(ui, on))
+}
+
+/// A slider of a game's own in a section; true if somebody moved it. Over three decades or more it
+/// goes by factors.
+pub fn slider_row(
+    ui: &mut Ui,
+    label: &str,
+    value: &mut f32,
+    range: std::ops::RangeInclusive<f32>,
+    unit: &'static str,
+) -> bool {
+    let range = f64::from(*range.start())..=f64::from(*range.end());
+    let spec = Spec { range: Some(range), unit, ..Default::default() };
+    let mut edited = f64::from(*value);
+    let changed = row(ui, label, None, |ui| edit(ui, &mut edited, &spec));
+    if changed {
+        *value = edited as f32;
+    }
+    changed
+}

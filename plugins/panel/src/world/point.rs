@@ -198,7 +198,7 @@ impl Pointed {
             self.at = None;
         }
         let began =
-            |ray: &&Pointing| ray.pressed && !self.pressed.get(&ray.who).is_some_and(|&b| b);
+            |ray: &Pointing| ray.pressed && !self.pressed.get(&ray.who).is_some_and(|&b| b);
         let nearest = |rays: &mut dyn Iterator<Item = &Pointing>| -> Option<usize> {
             rays.enumerate()
                 .filter(|(_, ray)| ray.over)
