@@ -33,6 +33,9 @@
 //!
 //! Lights, materials and meshes stay Bevy's own.
 
+#[cfg(feature = "panel")]
+mod sections;
+
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 
 /// Measured materials.
@@ -99,7 +102,7 @@ impl PluginGroup for FarlightPlugins {
         #[cfg(feature = "controls")]
         let group = group.add(farlight_controls::ControlsPlugin::default());
         #[cfg(feature = "panel")]
-        let group = group.add(farlight_panel::PanelPlugin::default());
+        let group = group.add(farlight_panel::PanelPlugin::default()).add(sections::SuiteSections);
         #[cfg(feature = "remote")]
         let group = group.add(farlight_remote::RemotePlugin);
         group
@@ -164,3 +167,8 @@ struct RemotePage;
 #[cfg(all(doctest, feature = "xr"))]
 #[doc = include_str!("../docs/xr.md")]
 struct XrPage;
+
+/// And that of the page about panels.
+#[cfg(all(doctest, feature = "panel"))]
+#[doc = include_str!("../docs/panel.md")]
+struct PanelPage;

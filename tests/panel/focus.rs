@@ -27,6 +27,7 @@ fn walk(stage: &mut Stage, on_screen: bool, mut tap: impl FnMut(&mut Stage, usiz
     tap(stage, 3);
     assert_ne!(stage.lamp().on, before.on, "pressed");
     tap(stage, 0);
+    println!("switch {switch:?}, focus {:?}", stage.focused(on_screen));
     tap(stage, 2);
     let after = stage.lamp();
     assert!(after.brightness > before.brightness, "{} {}", before.brightness, after.brightness);
@@ -57,6 +58,7 @@ fn with_a_gamepad_alone() {
     let connection =
         GamepadConnection::Connected { name: "pad".into(), vendor_id: None, product_id: None };
     let event = GamepadConnectionEvent::new(gamepad, connection);
+    stage.world().write_message(event.clone());
     stage.world().write_message(RawGamepadEvent::Connection(event));
     stage.frames(2);
     let press = |stage: &mut Stage, button: GamepadButton| {

@@ -72,10 +72,10 @@ fn a_ray_presses_what_it_meets_and_nothing_beside() {
     assert!(!switches(&mut stage, ray, edge + towards * 0.01), "1 cm beside it");
     // A press that comes from elsewhere.
     let before = stage.lamp().on;
-    let mut pressed = stage.world().get_mut::<PanelRay>(ray).unwrap();
-    pressed.pressed = true;
     stage.world().entity_mut(ray).insert(Transform::from_xyz(0.0, 5.0, 0.0));
     stage.frames(2);
+    stage.world().get_mut::<PanelRay>(ray).unwrap().pressed = true;
+    stage.frames(1);
     assert_eq!(stage.world().get::<PanelRay>(ray).unwrap().hit, None);
     let over = Transform::from_xyz(0.25, -0.4, 0.1).looking_at(centre, Vec3::Y);
     stage.world().entity_mut(ray).insert(over);

@@ -9,3 +9,4 @@ mod on_screen;
 mod sharp;
 mod stage;
 mod still;
+mod suite;

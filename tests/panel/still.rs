@@ -15,6 +15,11 @@ fn a_refined_picture_and_solved_light_stay() {
     let refined = |stage: &mut Stage| {
         stage.world().get::<Refinement>(camera).is_some_and(|refinement| refinement.is_refined())
     };
+    // The first panel needs pipelines, and a picture is refined again when there are new ones.
+    for menu in [true, false] {
+        stage.world().resource_mut::<PanelState>().menu = menu;
+        stage.frames(4);
+    }
     let mut waited = 0;
     while !refined(&mut stage) {
         stage.frames(1);

@@ -2,10 +2,11 @@
 
 use std::{borrow::Cow, collections::VecDeque, time::Duration};
 
-use bevy::ecs::entity::Entity;
+use bevy::{ecs::entity::Entity, prelude::ReflectDefault, reflect::Reflect};
 
 /// An entity that a plugin can't treat as asked, and why, in words for the game's author.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Clone)]
 pub struct LeftOut {
     /// The entity.
     pub entity: Entity,
@@ -31,7 +32,8 @@ pub struct TimeStats {
 }
 
 /// The last durations of something, in bounded memory.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Reflect)]
+#[reflect(opaque, Default, Clone)]
 pub struct TimeWindow {
     ring: VecDeque<Duration>,
     capacity: usize,

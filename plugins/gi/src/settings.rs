@@ -1,7 +1,10 @@
 //! Settings of the solver and the uploads.
 
-use bevy::{asset::Asset, prelude::*, reflect::TypePath};
-use farlight_core::{FieldProblem, RonSettings};
+use bevy::{asset::Asset, prelude::*};
+use farlight_core::{
+    FieldProblem, RonSettings,
+    field::{Costly, Hidden, Unit},
+};
 use farlight_gi_solver::{session::SessionSettings, settings::GiSettings as Plain};
 use serde::{Deserialize, Serialize};
 
@@ -10,23 +13,32 @@ use serde::{Deserialize, Serialize};
 ///
 /// A change of anything but `upload_bytes_per_frame` starts the solver anew; the old lighting is
 /// gone then.
-#[derive(Resource, Asset, TypePath, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Resource, Asset, Reflect, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[reflect(Resource, Default, Debug, Clone, PartialEq)]
+#[reflect(@Costly)]
 #[serde(from = "Plain", into = "Plain")]
 pub struct GiSettings {
     /// Edge of a square lightmap page in texels: a power of two from 16 to 4096.
+    #[reflect(@Hidden)]
     pub page_size: u32,
     /// Most pages, 1 to 64. When they are full the texel density is lowered so that everything fits.
+    #[reflect(@1..=64_u32)]
     pub max_pages: u32,
     /// Lightmap texels a metre, 0.1 to 1000. Higher is sharper and slower.
+    #[reflect(@0.1..=1000.0_f32)]
     pub texels_per_metre: f32,
     /// Gather rays a texel that are kept for answers while light moves, 64 to 8192. Higher is
     /// less noisy and needs more memory.
+    #[reflect(@64..=8192_u32)]
     pub rays_per_texel: u32,
     /// Gather rays a probe, 64 to 8192.
+    #[reflect(@64..=8192_u32)]
     pub rays_per_probe: u32,
     /// Most memory for kept rays in MiB, at least 1; `rays_per_texel` is lowered to stay below.
+    #[reflect(@1..=16_384_u32, @Unit("MiB"))]
     pub ray_memory_mib: u32,
     /// Reflections of light that are followed, 1 to 64; 1 is one bounce.
+    #[reflect(@1..=64_u32)]
     pub bounces: u32,
     /// Paths a texel after which a still scene counts as converged and work stops.
     pub converged_paths: u32,
@@ -35,8 +47,10 @@ pub struct GiSettings {
     /// Camera exposure at which emissive materials with `emissive_exposure_weight` 0 look as they
     /// are: such a material emits `emissive / exposure_ref` in cd/m². Bevy's default camera
     /// (EV100 = 9.7) has 0.001 002.
+    #[reflect(@Hidden)]
     pub exposure_ref: f32,
     /// Most bytes of texels that are written to the GPU a frame.
+    #[reflect(@65_536..=67_108_864_u32, @Unit("B"))]
     pub upload_bytes_per_frame: u32,
 }
 

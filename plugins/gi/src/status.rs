@@ -3,13 +3,17 @@
 use std::{borrow::Cow, sync::Arc, time::Duration};
 
 use bevy::{ecs::entity::EntityHashMap, platform::time::Instant, prelude::*};
-use farlight_core::{CostMeter, LeftOut, Measured, TextureUploads, TimeStats, TimeWindow};
+use farlight_core::{
+    CostMeter, LeftOut, Measured, TextureUploads, TimeStats, TimeWindow,
+    field::{Label, Unit},
+};
 use farlight_gi_solver::session::{Quality, SnapshotId};
 
 use crate::{LinkStatus, UpdateTimes};
 
 /// What the plugin is doing.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Default, Debug, Clone)]
 pub enum GiState {
     /// Nothing is tagged, or nothing of it is loaded yet.
     #[default]
@@ -31,19 +35,24 @@ pub enum GiState {
 }
 
 /// How the indirect light is doing.
-#[derive(Resource, Debug, Default)]
+#[derive(Resource, Debug, Default, Reflect)]
+#[reflect(Resource, Default)]
 pub struct GiStatus {
     /// What the plugin is doing.
     pub state: GiState,
     /// The newest snapshot of the scene that was handed to the backend.
+    #[reflect(ignore)]
     pub submitted: SnapshotId,
     /// The newest snapshot whose lighting is in the textures.
+    #[reflect(ignore)]
     pub shown: SnapshotId,
     /// Updates received from the backend since the start.
     pub updates: u64,
     /// Bytes of texels written to the GPU since the start.
+    #[reflect(@Unit("B"), @Label("Uploaded"))]
     pub uploaded_bytes: u64,
     /// How good what is shown is.
+    #[reflect(ignore)]
     pub quality: Quality,
     /// Meshes that are lit.
     pub receivers: usize,
@@ -52,13 +61,15 @@ pub struct GiStatus {
     /// Entities that don't take part as asked, and why; in the order of their entities.
     pub left_out: Vec<LeftOut>,
     /// The connection to the machine that solves, if it is another.
+    #[reflect(ignore)]
     pub link: Option<LinkStatus>,
     /// Where time goes.
     pub timings: GiTimings,
 }
 
 /// Times of the last frames and updates.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Reflect)]
+#[reflect(Default, Clone)]
 pub struct GiTimings {
     /// Our systems a frame that read the scene.
     pub extract: StageTimes,
@@ -84,7 +95,8 @@ pub struct GiTimings {
 }
 
 /// Times of a stage, one entry a frame.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Reflect)]
+#[reflect(Default, Clone)]
 pub struct StageTimes {
     /// CPU time of the threads that ran it.
     pub cpu: TimeWindow,

@@ -34,6 +34,7 @@ pub struct ProgressiveCamera {
     pub rest: bool,
     /// How many times all lights are gone through until a still picture counts as refined; more make
     /// edges smoother where lights are few. At least 32 frames are drawn anyway.
+    #[reflect(@1..=64_u32)]
     pub cycles: u32,
 }
 

@@ -5,7 +5,8 @@ use std::borrow::Cow;
 use bevy::prelude::*;
 
 /// What becomes of the environment.
-#[derive(Resource, Clone, Debug, Default, PartialEq)]
+#[derive(Resource, Clone, Debug, Default, PartialEq, Reflect)]
+#[reflect(Resource, Default, Debug, Clone)]
 pub struct EnvironmentStatus {
     /// Where it is.
     pub state: EnvironmentState,
@@ -18,7 +19,8 @@ pub struct EnvironmentStatus {
 }
 
 /// Where the environment is.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Default, Debug, Clone)]
 pub enum EnvironmentState {
     /// There is none.
     #[default]

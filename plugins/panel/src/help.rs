@@ -15,7 +15,7 @@ use crate::style::{ACCENT, LINE, SLATE, TEXT, WEAK};
 const HINT: f32 = 20.0;
 
 /// The card with all actions.
-pub(crate) fn overlay(ctx: &egui::Context, world: &World, opacity: f32) {
+pub(crate) fn overlay(ctx: &egui::Context, world: &World, opacity: f32, scroll: f32) {
     let (Some(in_force), Some(device)) =
         (world.get_resource::<ControlsInForce>(), world.get_resource::<ActiveDevice>())
     else {
@@ -45,8 +45,12 @@ pub(crate) fn overlay(ctx: &egui::Context, world: &World, opacity: f32) {
                 } else {
                     1
                 };
+                if scroll != 0.0 {
+                    ui.scroll_with_delta(vec2(0.0, scroll * 20.0));
+                }
                 ui.horizontal_top(|ui| {
                     ui.spacing_mut().item_spacing.x = 28.0;
+                    ui.spacing_mut().interact_size.y = 18.0;
                     for column in columns(&lines, count) {
                         // Labels of a column have one width, so that inputs stand below each other.
                         let labels = column.iter().flat_map(|group| group.iter());

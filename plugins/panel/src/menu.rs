@@ -43,6 +43,10 @@ pub(crate) fn show(
 ) {
     let screen = ctx.content_rect();
     let sections = world.resource::<Sections>().0.clone();
+    let unfold = match world.resource::<PanelState>().unfold {
+        Some(_) => world.resource_mut::<PanelState>().unfold.take(),
+        None => None,
+    };
     let window = egui::Window::new("farlight menu")
         .title_bar(false)
         .collapsible(false)
@@ -73,7 +77,7 @@ pub(crate) fn show(
             ui.spacing_mut().item_spacing.y = 3.0;
             let width = ui.available_width() - 36.0;
             for (at, section) in sections.iter().enumerate() {
-                fold(ui, world, section, at, width);
+                fold(ui, world, section, (at, unfold), width);
             }
             if steered.scroll != 0.0 {
                 ui.scroll_with_delta(vec2(0.0, steered.scroll * 24.0));
@@ -128,7 +132,13 @@ fn cross(ui: &mut Ui) -> egui::Response {
     response.on_hover_text("Close")
 }
 
-fn fold(ui: &mut Ui, world: &mut World, section: &Section, at: usize, width: f32) {
+fn fold(
+    ui: &mut Ui,
+    world: &mut World,
+    section: &Section,
+    (at, unfold): (usize, Option<&str>),
+    width: f32,
+) {
     egui::Frame::new().inner_margin(Margin { left: 18, right: 18, top: 3, bottom: 1 }).show(
         ui,
         |ui| {
@@ -137,6 +147,7 @@ fn fold(ui: &mut Ui, world: &mut World, section: &Section, at: usize, width: f32
             CollapsingHeader::new(title)
                 .id_salt(section.title)
                 .default_open(at == 0)
+                .open(unfold.map(|title| title == section.title))
                 .show_unindented(ui, |ui| {
                     section.draw(ui, world);
                     ui.add_space(6.0);

@@ -88,6 +88,7 @@ impl Plugin for PanelPlugin {
                         .in_set(PanelSystems::Show),
                 ),
             );
+        screen::build(app);
         world::build(app);
     }
 }

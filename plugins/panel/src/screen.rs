@@ -1,9 +1,14 @@
 //! Panels on the screen: egui's context is on the camera that draws last, and runs only while there
 //! is something to show.
 
-use bevy::{camera::RenderTarget, prelude::*};
+use bevy::{
+    camera::RenderTarget,
+    prelude::*,
+    render::{Extract, ExtractSchedule, RenderApp, sync_world::MainEntity},
+};
 use bevy_egui::{
     EguiContext, EguiContextSettings, EguiFullOutput, EguiInput, EguiRenderOutput, egui,
+    render::EguiCameraView,
 };
 
 use crate::{
@@ -28,6 +33,25 @@ pub(crate) struct Screen {
 impl Screen {
     pub(crate) fn ctx(&self) -> Option<&egui::Context> {
         self.ctx.as_ref()
+    }
+}
+
+pub(crate) fn build(app: &mut App) {
+    if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+        render_app.add_systems(ExtractSchedule, forget_views);
+    }
+}
+
+/// Cameras for which egui has nothing to draw have no pass of it: their last view is gone.
+fn forget_views(
+    mut commands: Commands,
+    views: Query<(Entity, &MainEntity), With<EguiCameraView>>,
+    drawn: Extract<Query<(), With<EguiRenderOutput>>>,
+) {
+    for (entity, main) in &views {
+        if !drawn.contains(main.id()) {
+            commands.entity(entity).remove::<EguiCameraView>();
+        }
     }
 }
 
@@ -161,7 +185,7 @@ pub(crate) fn content(
         menu::show(ctx, world, room, settings.opacity, steered);
     }
     if state.help {
-        help::overlay(ctx, world, settings.opacity);
+        help::overlay(ctx, world, settings.opacity, if state.menu { 0.0 } else { steered.scroll });
     }
     notify::show(ctx, world.resource::<Lines>());
 }

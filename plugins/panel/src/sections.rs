@@ -6,7 +6,7 @@ use bevy::{ecs::component::Mutable, prelude::*, reflect::Typed};
 use bevy_egui::egui::Ui;
 use farlight_core::field::Costly;
 
-use crate::fields::{Fields, choice, row, show};
+use crate::fields::{Fields, Spec, choice, edit, row, show, switch};
 
 type Draw = Arc<dyn Fn(&mut Ui, &mut World) + Send + Sync>;
 

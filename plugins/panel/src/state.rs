@@ -23,6 +23,8 @@ pub struct PanelState {
     pub menu: bool,
     /// What does what on the device in hand.
     pub help: bool,
+    /// The section to unfold, by its title; all others are folded. Taken when the menu is drawn.
+    pub unfold: Option<&'static str>,
 }
 
 /// The camera on whose picture panels are drawn. Without one it is the camera that draws into a

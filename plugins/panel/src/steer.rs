@@ -66,6 +66,9 @@ pub(crate) fn steer(
     steering.typed.clear();
     steering.scroll = 0.0;
     steering.back = (state.menu || state.help) && controls.started::<actions::PanelBack>();
+    if state.help && !state.menu {
+        steering.scroll = controls.axis::<actions::PanelScroll>();
+    }
     if !state.menu {
         steering.held = [0.0; 4];
         steering.by_focus = false;

@@ -16,7 +16,7 @@ pub(crate) const LINE: Color32 = Color32::from_rgb(54, 60, 70);
 /// Of text.
 pub(crate) const TEXT: Color32 = Color32::from_rgb(232, 234, 237);
 /// Of labels and units.
-pub(crate) const WEAK: Color32 = Color32::from_rgb(168, 175, 186);
+pub(crate) const WEAK: Color32 = Color32::from_rgb(190, 196, 206);
 /// What is on, focused, chosen.
 pub(crate) const ACCENT: Color32 = Color32::from_rgb(245, 184, 92);
 /// What failed.

@@ -20,7 +20,7 @@ use farlight_core::{
 };
 
 pub(crate) use choice::{choice, switch};
-pub(crate) use number::{Spec, show};
+pub(crate) use number::{Spec, edit, show};
 
 use crate::{plot, style::WEAK};
 
@@ -312,7 +312,7 @@ impl Fields<'_> {
                 show(ui, spec.text(*value));
                 false
             } else {
-                number::edit(ui, value, spec)
+                edit(ui, value, spec)
             }
         })
     }

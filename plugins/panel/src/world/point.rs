@@ -197,8 +197,7 @@ impl Pointed {
             self.events.push(Event::PointerGone);
             self.at = None;
         }
-        let began =
-            |ray: &Pointing| ray.pressed && !self.pressed.get(&ray.who).is_some_and(|&b| b);
+        let began = |ray: &Pointing| ray.pressed && !self.pressed.get(&ray.who).is_some_and(|&b| b);
         let nearest = |rays: &mut dyn Iterator<Item = &Pointing>| -> Option<usize> {
             rays.enumerate()
                 .filter(|(_, ray)| ray.over)

@@ -1,0 +1,228 @@
+//! Which of the suite's settings the panel shows, under which titles.
+
+use std::{collections::VecDeque, time::Duration};
+
+use bevy::{prelude::*, render::renderer::RenderAdapterInfo};
+use farlight_core::TimeWindow;
+use farlight_panel::{
+    AddPanel, Notification, PanelSettings,
+    egui::{self, Ui},
+    plot, slider_row, switch_row, text_row,
+};
+
+/// Adds the suite's sections below those of the game.
+pub(crate) struct SuiteSections;
+
+impl Plugin for SuiteSections {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Frames>().add_systems(Last, measure);
+        #[cfg(feature = "gi")]
+        app.init_resource::<Link>().add_systems(Last, sample_link);
+        #[cfg(feature = "xr")]
+        app.add_observer(follow_head).add_observer(show_in_eyes);
+        app.add_systems(Update, tell_devices);
+    }
+
+    fn finish(&self, app: &mut App) {
+        #[cfg(feature = "ibl")]
+        {
+            use farlight_ibl::{
+                EnvironmentStatus, ProgressiveCamera, ProgressiveLighting, Refinement,
+            };
+            app.add_panel_resource::<ProgressiveLighting>("Environment light")
+                .add_panel_status::<EnvironmentStatus>("Environment light")
+                .add_panel_component::<ProgressiveCamera, ()>("Progressive picture", true)
+                .add_panel_component::<Refinement, ()>("Progressive picture", false);
+        }
+        #[cfg(feature = "gi")]
+        {
+            use farlight_gi::{GiControl, GiSettings, GiStatus, GiView};
+            app.add_panel_resource::<GiControl>("Global illumination")
+                .add_panel_resource::<GiView>("Global illumination")
+                .add_panel_status::<GiStatus>("Global illumination")
+                .add_panel_section("Global illumination", |ui, world| {
+                    let Some(status) = world.get_resource::<GiStatus>() else { return };
+                    let quality = status.quality;
+                    let error = format!("{:.1} %", quality.relative_error * 100.0);
+                    text_row(ui, "Estimated error", error);
+                    text_row(ui, "Rays a texel", quality.rays_per_texel.to_string());
+                    ui.add_space(4.0);
+                    ui.weak("Solver: changes start it anew");
+                })
+                .add_panel_resource::<GiSettings>("Global illumination")
+                .add_panel_section("Network", network);
+        }
+        app.add_panel_section("Performance", performance)
+            .add_panel_section("Controls", controls)
+            .add_panel_resource::<PanelSettings>("Panel");
+    }
+}
+
+/// What frames took.
+#[derive(Resource)]
+struct Frames(TimeWindow);
+
+impl Default for Frames {
+    fn default() -> Self {
+        Self(TimeWindow::new(160))
+    }
+}
+
+fn measure(mut frames: ResMut<Frames>, time: Res<Time<Real>>) {
+    frames.0.push(time.delta());
+}
+
+fn milliseconds(window: &TimeWindow) -> Vec<f64> {
+    window.iter().map(|time| time.as_secs_f64() * 1e3).collect()
+}
+
+fn performance(ui: &mut Ui, world: &mut World) {
+    let frames = &world.resource::<Frames>().0;
+    let stats = frames.stats();
+    let median = stats.median.as_secs_f64();
+    let ms = |time: Duration| format!("{:.1} ms", time.as_secs_f64() * 1e3);
+    let rate = if median > 0.0 { format!(" ({:.0} /s)", 1.0 / median) } else { String::new() };
+    text_row(ui, "Frame, median", ms(stats.median) + &rate);
+    text_row(ui, "Frame, 99th percentile", ms(stats.p99));
+    plot(ui, &milliseconds(frames), "ms");
+    #[cfg(feature = "gi")]
+    if let Some(status) = world.get_resource::<farlight_gi::GiStatus>() {
+        let own = status.timings.frame.cpu_stats();
+        let text = format!(
+            "{:.2} ms, p99 {:.2} ms",
+            own.median.as_secs_f64() * 1e3,
+            own.p99.as_secs_f64() * 1e3
+        );
+        text_row(ui, "Global illumination", text);
+    }
+    if let Some(adapter) = world.get_resource::<RenderAdapterInfo>() {
+        text_row(ui, "GPU", adapter.name.clone());
+        text_row(ui, "Interface", format!("{:?}, {}", adapter.backend, adapter.driver_info));
+    }
+}
+
+/// What the connection did, ten times a second.
+#[cfg(feature = "gi")]
+#[derive(Resource, Default)]
+struct Link {
+    since: f32,
+    /// Milliseconds there and back.
+    latency: VecDeque<f64>,
+    /// kB a second, received.
+    bandwidth: VecDeque<f64>,
+    /// Estimated error of the light in percent.
+    error: VecDeque<f64>,
+    received: u64,
+}
+
+#[cfg(feature = "gi")]
+fn sample_link(
+    mut link: ResMut<Link>,
+    status: Option<Res<farlight_gi::GiStatus>>,
+    time: Res<Time<Real>>,
+) {
+    const EVERY: f32 = 0.1;
+    const KEPT: usize = 160;
+    link.since += time.delta_secs();
+    let (true, Some(status)) = (link.since >= EVERY, status) else { return };
+    let seconds = f64::from(std::mem::take(&mut link.since));
+    let keep = |history: &mut VecDeque<f64>, value: f64| {
+        if history.len() == KEPT {
+            history.pop_front();
+        }
+        history.push_back(value);
+    };
+    keep(&mut link.error, f64::from(status.quality.relative_error) * 100.0);
+    if let Some(now) = &status.link {
+        keep(&mut link.latency, now.rtt.map_or(f64::NAN, |rtt| rtt.as_secs_f64() * 1e3));
+        let new = now.received_bytes.saturating_sub(link.received);
+        link.received = now.received_bytes;
+        keep(&mut link.bandwidth, new as f64 / 1e3 / seconds);
+    }
+}
+
+#[cfg(feature = "gi")]
+fn network(ui: &mut Ui, world: &mut World) {
+    use farlight_gi::{GiStatus, LinkState};
+    let (Some(link), Some(status)) =
+        (world.get_resource::<Link>(), world.get_resource::<GiStatus>())
+    else {
+        return;
+    };
+    let mut lines = |title: &str, history: &VecDeque<f64>, unit: &'static str| {
+        if !history.is_empty() {
+            ui.weak(title);
+            plot(ui, &history.iter().copied().collect::<Vec<_>>(), unit);
+        }
+    };
+    if let Some(now) = &status.link {
+        lines("Latency, there and back", &link.latency, "ms");
+        lines("Bandwidth, received", &link.bandwidth, "kB/s");
+        lines("Estimated error of the light", &link.error, " %");
+        let state = match &now.state {
+            LinkState::Connecting => "connecting".into(),
+            LinkState::Connected => "connected".into(),
+            LinkState::Reconnecting { attempt, why, .. } => format!("attempt {attempt}: {why}"),
+            LinkState::GivenUp => "given up".into(),
+        };
+        text_row(ui, "Server", now.peer.to_string());
+        text_row(ui, "State", state);
+        text_row(ui, "Received", format!("{:.1} MB", now.received_bytes as f64 / 1e6));
+        text_row(ui, "Sent", format!("{:.1} MB", now.sent_bytes as f64 / 1e6));
+        text_row(ui, "Snapshots behind", now.snapshot_lag.to_string());
+    } else {
+        lines("Estimated error of the light", &link.error, " %");
+        text_row(ui, "Server", "none: solved here");
+    }
+}
+
+/// What does what on the device in hand.
+fn controls(ui: &mut Ui, world: &mut World) {
+    use farlight_controls::{ActiveDevice, ControlsInForce, bindings::help};
+    let Some(device) = world.get_resource::<ActiveDevice>() else { return };
+    let device = device.device;
+    text_row(ui, "Device in hand", device.label());
+    let Some(in_force) = world.get_resource::<ControlsInForce>() else { return };
+    let mut bindings = in_force.bindings.clone();
+    let lines = help(&bindings, device, &[]);
+    let sensitivity = &mut bindings.sensitivity.0;
+    let mut changed = slider_row(ui, "Sensitivity", sensitivity, 0.05..=20.0, "×");
+    changed |= switch_row(ui, "Invert the zoom", &mut bindings.invert_zoom);
+    changed |= switch_row(ui, "Invert looking up and down", &mut bindings.invert_look);
+    if changed {
+        world.resource_mut::<ControlsInForce>().bindings = bindings;
+    }
+    let mut group = "";
+    for line in &lines {
+        if line.group != group {
+            group = line.group;
+            ui.add_space(4.0);
+            ui.label(egui::RichText::new(group).strong());
+        }
+        text_row(ui, line.label, line.inputs.clone());
+    }
+}
+
+/// Says which device is in hand when it becomes another.
+fn tell_devices(
+    device: Res<farlight_controls::ActiveDevice>,
+    mut before: Local<Option<farlight_controls::bindings::Device>>,
+    mut says: MessageWriter<Notification>,
+) {
+    let was = before.replace(device.device);
+    if was.is_some_and(|was| was != device.device) {
+        says.write(Notification::new(
+            device.name.clone().unwrap_or_else(|| device.device.label().into()),
+        ));
+    }
+}
+
+#[cfg(feature = "xr")]
+fn follow_head(head: On<Add, farlight_xr::XrHead>, mut commands: Commands) {
+    commands.entity(head.entity).insert(farlight_panel::PanelViewer);
+}
+
+#[cfg(feature = "xr")]
+fn show_in_eyes(eye: On<Add, farlight_xr::XrEye>, mut commands: Commands) {
+    commands.entity(eye.entity).insert(farlight_panel::PanelEye);
+}
