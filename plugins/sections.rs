@@ -83,7 +83,7 @@ fn performance(ui: &mut Ui, world: &mut World) {
     let ms = |time: Duration| format!("{:.1} ms", time.as_secs_f64() * 1e3);
     let rate = if median > 0.0 { format!(" ({:.0} /s)", 1.0 / median) } else { String::new() };
     text_row(ui, "Frame, median", ms(stats.median) + &rate);
-    text_row(ui, "Frame, 99th percentile", ms(stats.p99));
+    text_row(ui, "Frame, p99", ms(stats.p99));
     plot(ui, &milliseconds(frames), "ms");
     #[cfg(feature = "gi")]
     if let Some(status) = world.get_resource::<farlight_gi::GiStatus>() {

@@ -27,7 +27,6 @@ fn walk(stage: &mut Stage, on_screen: bool, mut tap: impl FnMut(&mut Stage, usiz
     tap(stage, 3);
     assert_ne!(stage.lamp().on, before.on, "pressed");
     tap(stage, 0);
-    println!("switch {switch:?}, focus {:?}", stage.focused(on_screen));
     tap(stage, 2);
     let after = stage.lamp();
     assert!(after.brightness > before.brightness, "{} {}", before.brightness, after.brightness);

@@ -1,6 +1,7 @@
 //! What a game switches at run time.
 
 use bevy::prelude::*;
+use farlight_core::field::Label;
 
 /// Switches of the indirect light.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
@@ -20,6 +21,7 @@ impl Default for GiControl {
 /// What cameras show, for looking at the lighting itself.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Resource, Default, Debug, Clone)]
+#[reflect(@Label("Cameras show"))]
 pub enum GiView {
     /// Everything.
     #[default]

@@ -3,7 +3,7 @@
 use bevy::{asset::Asset, prelude::*};
 use farlight_core::{
     FieldProblem, RonSettings,
-    field::{Costly, Hidden, Unit},
+    field::{Costly, Hidden, Label, Unit},
 };
 use farlight_gi_solver::{session::SessionSettings, settings::GiSettings as Plain};
 use serde::{Deserialize, Serialize};
@@ -35,7 +35,7 @@ pub struct GiSettings {
     #[reflect(@64..=8192_u32)]
     pub rays_per_probe: u32,
     /// Most memory for kept rays in MiB, at least 1; `rays_per_texel` is lowered to stay below.
-    #[reflect(@1..=16_384_u32, @Unit("MiB"))]
+    #[reflect(@1..=16_384_u32, @Unit("MiB"), @Label("Memory of rays"))]
     pub ray_memory_mib: u32,
     /// Reflections of light that are followed, 1 to 64; 1 is one bounce.
     #[reflect(@1..=64_u32)]
@@ -50,7 +50,7 @@ pub struct GiSettings {
     #[reflect(@Hidden)]
     pub exposure_ref: f32,
     /// Most bytes of texels that are written to the GPU a frame.
-    #[reflect(@65_536..=67_108_864_u32, @Unit("B"))]
+    #[reflect(@65_536..=67_108_864_u32, @Unit("B"), @Label("Upload a frame"))]
     pub upload_bytes_per_frame: u32,
 }
 

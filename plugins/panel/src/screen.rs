@@ -141,6 +141,8 @@ pub(crate) fn show(world: &mut World) {
     let points = |v: UVec2| egui::pos2(v.x as f32 / scale, v.y as f32 / scale);
     input.screen_rect = Some(egui::Rect::from_min_max(points(rect.min), points(rect.max)));
     input.viewports.entry(input.viewport_id).or_default().native_pixels_per_point = Some(native);
+    // Gamepads are heard whether or not the window has the focus; keys come only if it has.
+    input.focused = true;
     let writing = ctx.text_edit_focused();
     steer::keep_text(&mut input.events, writing && state.menu);
     let pointed = input.events.iter().any(|event| {
