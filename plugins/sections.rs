@@ -3,11 +3,11 @@
 use std::{collections::VecDeque, time::Duration};
 
 use bevy::{prelude::*, render::renderer::RenderAdapterInfo};
+use farlight_controls::{RebindState, Rebinding, Resolve};
 use farlight_core::TimeWindow;
 use farlight_panel::{
-    AddPanel, Notification, PanelSettings,
-    egui::{self, Ui},
-    plot, slider_row, switch_row, text_row,
+    AddPanel, Notification, PanelSettings, button_row, egui::Ui, plot, slider_row, switch_row,
+    text_row,
 };
 
 /// Adds the suite's sections below those of the game.
@@ -20,7 +20,7 @@ impl Plugin for SuiteSections {
         app.init_resource::<Link>().add_systems(Last, sample_link);
         #[cfg(feature = "xr")]
         app.add_observer(follow_head).add_observer(show_in_eyes);
-        app.add_systems(Update, tell_devices);
+        app.add_systems(Update, (tell_devices, save_rebound.run_if(resource_exists::<Rebinding>)));
     }
 
     fn finish(&self, app: &mut App) {
@@ -178,13 +178,12 @@ fn network(ui: &mut Ui, world: &mut World) {
 
 /// What does what on the device in hand.
 fn controls(ui: &mut Ui, world: &mut World) {
-    use farlight_controls::{ActiveDevice, ControlsInForce, bindings::help};
+    use farlight_controls::{ActiveDevice, ControlsInForce, bindings::ACTIONS};
     let Some(device) = world.get_resource::<ActiveDevice>() else { return };
     let device = device.device;
     text_row(ui, "Device in hand", device.label());
     let Some(in_force) = world.get_resource::<ControlsInForce>() else { return };
     let mut bindings = in_force.bindings.clone();
-    let lines = help(&bindings, device, &[]);
     let sensitivity = &mut bindings.sensitivity.0;
     let mut changed = slider_row(ui, "Sensitivity", sensitivity, 0.05..=20.0, "×");
     changed |= switch_row(ui, "Invert the zoom", &mut bindings.invert_zoom);
@@ -192,15 +191,79 @@ fn controls(ui: &mut Ui, world: &mut World) {
     if changed {
         world.resource_mut::<ControlsInForce>().bindings = bindings;
     }
-    let mut group = "";
-    for line in &lines {
-        if line.group != group {
-            group = line.group;
-            ui.add_space(4.0);
-            ui.label(egui::RichText::new(group).strong());
+    rebind(ui, world);
+    let Some(in_force) = world.get_resource::<ControlsInForce>() else { return };
+    let mut chosen = None;
+    for info in ACTIONS {
+        let bound = in_force.bindings.of(info.name, device);
+        let inputs: Vec<_> = bound.iter().map(|binding| binding.label_on(device)).collect();
+        let inputs = if inputs.is_empty() { "none".into() } else { inputs.join(", ") };
+        if ui.push_id(info.name, |ui| button_row(ui, info.label, inputs)).inner {
+            chosen = Some(info.name);
         }
-        text_row(ui, line.label, line.inputs.clone());
     }
+    let Some(mut rebinding) = world.get_resource_mut::<Rebinding>() else { return };
+    if let Some(action) = chosen {
+        rebinding.start(action, device, 0);
+    }
+    if button_row(ui, "All inputs", "As the game has them") {
+        rebinding.reset_all();
+        rebinding.save();
+    }
+}
+
+/// What is asked while an action is given another input.
+fn rebind(ui: &mut Ui, world: &mut World) {
+    let Some(mut rebinding) = world.get_resource_mut::<Rebinding>() else { return };
+    match rebinding.state().clone() {
+        RebindState::Waiting { target, prompt, refused } => {
+            ui.strong(format!("{}: {prompt}", target.action));
+            if let Some(refused) = refused {
+                ui.colored_label(ui.visuals().error_fg_color, refused);
+            }
+        }
+        RebindState::Conflict { target, binding, with } => {
+            ui.strong(format!(
+                "{} already does: {}",
+                binding.label_on(target.device),
+                with.join(", ")
+            ));
+            ui.horizontal(|ui| {
+                for (text, resolve) in [
+                    ("Replace", Resolve::Replace),
+                    ("Keep both", Resolve::KeepBoth),
+                    ("Cancel", Resolve::Cancel),
+                ] {
+                    if ui.button(text).clicked() {
+                        rebinding.resolve(resolve);
+                    }
+                }
+            });
+        }
+        _ => {
+            ui.weak("Press a row to give an action another input:");
+        }
+    }
+}
+
+/// Saves another input as soon as it is there, and says so.
+fn save_rebound(
+    mut rebinding: ResMut<Rebinding>,
+    mut was_done: Local<bool>,
+    mut says: MessageWriter<Notification>,
+) {
+    let done = match rebinding.state() {
+        RebindState::Done { target, binding } => {
+            Some((target.action.clone(), binding.label_on(target.device)))
+        }
+        _ => None,
+    };
+    let is_done = done.is_some();
+    if let Some((action, input)) = done.filter(|_| !*was_done) {
+        rebinding.save();
+        says.write(Notification::new(format!("{action}: {input}")));
+    }
+    *was_done = is_done;
 }
 
 /// Says which device is in hand when it becomes another.

@@ -45,7 +45,7 @@ pub use farlight_core::field;
 pub use plot::plot;
 pub use plugin::{PanelPlugin, PanelSystems};
 pub use ray::PanelRay;
-pub use sections::{AddPanel, choice_row, slider_row, switch_row, text_row};
+pub use sections::{AddPanel, button_row, choice_row, slider_row, switch_row, text_row};
 pub use settings::PanelSettings;
 pub use state::{Notification, PanelCamera, PanelEye, PanelPlace, PanelState, PanelViewer};
 pub use world::WorldPanel;

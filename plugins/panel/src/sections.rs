@@ -214,3 +214,12 @@ pub fn slider_row(
     }
     changed
 }
+
+/// A button of a game's own in a section: a label, and on the button a text. True if it was pressed.
+pub fn button_row(ui: &mut Ui, label: &str, text: impl Into<String>) -> bool {
+    row(ui, label, None, |ui| {
+        let size = bevy_egui::egui::vec2(ui.available_width(), ui.spacing().interact_size.y - 2.0);
+        let text: String = text.into();
+        ui.add_sized(size, bevy_egui::egui::Button::new(text).truncate()).clicked()
+    })
+}
