@@ -6,8 +6,8 @@ use farlight_bindings::{ACTIONS, ActionInfo, Context, first_hint};
 
 /// Seconds for which a row is alight after it was used.
 const AFTERGLOW: f32 = 0.7;
-const TEXT: Color = Color::srgb(0.80, 0.81, 0.83);
-const DIM: Color = Color::srgb(0.55, 0.57, 0.61);
+const TEXT: Color = Color::srgb(0.90, 0.91, 0.93);
+const DIM: Color = Color::srgb(0.68, 0.70, 0.74);
 const LIT: Color = Color::srgb(1.0, 0.72, 0.30);
 
 /// The columns that hold rows.
@@ -44,7 +44,7 @@ pub fn spawn(mut commands: Commands) {
             top: px(14),
             left,
             right,
-            width: px(376),
+            width: px(410),
             padding: UiRect::axes(px(8), px(8)),
             flex_direction: FlexDirection::Column,
             border_radius: BorderRadius::all(px(8)),
@@ -148,8 +148,8 @@ pub fn light_up(
         if used || pressed.contains(&row.action.name) {
             row.glow = AFTERGLOW;
         }
-        let alpha = 0.55 * row.glow / AFTERGLOW;
-        background.set_if_neq(BackgroundColor(LIT.with_alpha(alpha * 0.8)));
+        let alpha = row.glow / AFTERGLOW;
+        background.set_if_neq(BackgroundColor(LIT.with_alpha(0.13 * alpha)));
         row.glow = (row.glow - time.delta_secs()).max(0.0);
     }
     for (Says(name), mut text) in &mut numbers {

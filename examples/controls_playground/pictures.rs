@@ -27,6 +27,7 @@ pub fn run(args: &Args, out: &Path) -> Result<(), String> {
         app.app.world_mut().resource_mut::<ActionRecorder>().start();
         let script = Script::new(app.app.world_mut(), kind);
         for frame in 0..FRAMES {
+            draw(app.app.world_mut(), frame + 3 > FRAMES);
             script.frame(app.app.world_mut(), frame);
             app.update()?;
         }
@@ -44,11 +45,16 @@ fn open(args: &Args) -> Result<Headless, String> {
     let file = args.config()?;
     let mut app = Headless::new(size, &assets(), |app| build(app, quiet_controls(file)))?;
     app.set_frame_time(FRAME);
-    // The first frames load what is drawn; nothing is asked of the devices yet.
-    for _ in 0..4 {
-        app.update()?;
-    }
+    // What is drawn is made; nothing is asked of the devices yet.
+    app.update()?;
     Ok(app)
+}
+
+/// Whether frames are drawn: only the last ones are looked at.
+fn draw(world: &mut World, on: bool) {
+    for mut camera in world.query::<&mut Camera>().iter_mut(world) {
+        camera.is_active = on;
+    }
 }
 
 fn picture(app: &mut Headless, out: &Path, name: &str) -> Result<(), String> {
@@ -68,7 +74,9 @@ fn replay(args: &Args, path: &Path, out: &Path) -> Result<(), String> {
     let frames = recording.end().0;
     app.app.world_mut().resource_mut::<ActionReplay>().play(recording, ReplayPace::Frames);
     // Longer ones than an hour are no recordings of people.
-    for _ in 0..=frames.min(216_000) {
+    let frames = frames.min(216_000);
+    for frame in 0..=frames {
+        draw(app.app.world_mut(), frame + 3 > frames);
         app.update()?;
     }
     picture(&mut app, out, "replay")

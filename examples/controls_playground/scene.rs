@@ -42,8 +42,8 @@ impl Default for Shown {
             object: Quat::from_rotation_x(0.5) * Quat::from_rotation_y(0.4),
             light: Vec2::new(0.7, 0.9),
             look: Vec2::new(-0.45, 0.35),
-            distance: 5.5,
-            target: Vec3::new(0.0, 0.2, 0.0),
+            distance: 6.6,
+            target: Vec3::new(0.0, -0.1, 0.0),
         }
     }
 }
@@ -95,7 +95,7 @@ pub fn spawn(
         Plinth,
         Mesh3d(meshes.add(Cylinder::new(1.7, 0.2).mesh().resolution(128))),
         MeshMaterial3d(materials.add(StandardMaterial {
-            base_color: Color::srgb(0.32, 0.33, 0.36),
+            base_color: Color::srgb(0.19, 0.20, 0.23),
             perceptual_roughness: 0.85,
             ..default()
         })),
@@ -103,7 +103,7 @@ pub fn spawn(
     ));
     commands
         .spawn((DirectionalLight { shadow_maps_enabled: true, ..default() }, Transform::default()));
-    commands.spawn((Camera3d::default(), Transform::default(), Msaa::Sample4));
+    commands.spawn((Camera3d::default(), Transform::default(), Msaa::Sample4, IsDefaultUiCamera));
 }
 
 /// Does what the actions say.
