@@ -5,7 +5,10 @@ use bevy::{
     prelude::*,
 };
 use farlight::{
-    controls::{XrControllers, bindings::Xr},
+    controls::{
+        XrControllers,
+        bindings::{Hand, Xr},
+    },
     panel::{PanelRay, PanelViewer},
     xr::{Haptic, XrHandPose, XrHead, XrRay},
 };
@@ -67,6 +70,7 @@ fn press(controllers: Res<XrControllers>, mut rays: Query<&mut PanelRay>) {
 /// A tick when a ray comes onto a panel, and when it presses there; rays are drawn as far as the panel.
 fn feel(
     rays: Query<&PanelRay>,
+    aiming: Res<Aiming>,
     mut drawn: Query<&mut XrRay>,
     mut before: Local<[(bool, bool); 2]>,
     mut haptics: MessageWriter<Haptic>,
@@ -82,7 +86,9 @@ fn feel(
             haptics.write(Haptic::tick(hand));
         }
         for mut drawn in drawn.iter_mut().filter(|drawn| drawn.hand == hand) {
-            let length = ray.hit.unwrap_or(RAY);
+            // An arc takes the ray's place.
+            let aims = hand == Hand::Left && aiming.0.is_some();
+            let length = if aims { 0.0 } else { ray.hit.unwrap_or(RAY) };
             if drawn.length != length {
                 drawn.length = length;
             }

@@ -106,6 +106,15 @@ pub const STANDS: &[Stand] = &[
     bench(-6.6, 1.5, Vec2::new(1.7, 0.45), 0.44),
 ];
 
+/// Bars of skylight and window, which the sun draws on floor and walls.
+pub const BARS: &[Cuboid3] = &[
+    Cuboid3::new([-0.63, 4.45, -1.0], [-0.57, 4.6, 1.2]),
+    Cuboid3::new([0.57, 4.45, -1.0], [0.63, 4.6, 1.2]),
+    Cuboid3::new([-1.8, 4.47, 0.07], [1.8, 4.58, 0.13]),
+    Cuboid3::new([-9.72, 0.5, -0.83], [-9.64, 2.7, -0.77]),
+    Cuboid3::new([-9.71, 1.87, -1.7], [-9.65, 1.93, 0.1]),
+];
+
 /// Index in [`STANDS`] of the round plinth in the hall.
 pub const ROUND: usize = 0;
 /// Index in [`STANDS`] of the low table.

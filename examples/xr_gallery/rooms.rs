@@ -5,7 +5,7 @@ use farlight::prelude::*;
 
 use super::{
     building::Surface,
-    plan::{DOORS, Floor, HALL, Look, OPENINGS, RED, SPACES, STANDS, WINDOW},
+    plan::{BARS, DOORS, Floor, HALL, Look, OPENINGS, RED, SPACES, STANDS, Stand, WINDOW},
     textures,
 };
 
@@ -22,6 +22,7 @@ struct Paints {
     red: Handle<StandardMaterial>,
     blue: Handle<StandardMaterial>,
     furniture: Handle<StandardMaterial>,
+    bars: Handle<StandardMaterial>,
 }
 
 impl Paints {
@@ -40,6 +41,7 @@ impl Paints {
             warm: paint(0.68, 0.655, 0.61, 0.9),
             red: paint(0.52, 0.058, 0.035, 0.85),
             blue: paint(0.075, 0.20, 0.245, 0.85),
+            bars: paint(0.10, 0.10, 0.105, 0.6),
             furniture: paint(0.34, 0.20, 0.10, 0.6),
             oak: materials.add(StandardMaterial {
                 base_color_texture: Some(images.add(textures::planks())),
@@ -94,16 +96,20 @@ pub fn spawn(
             Look::White => &paints.white,
             Look::Oak => &paints.furniture,
         };
-        let mesh: Mesh = if stand.round {
-            Cylinder::new(0.5 * stand.size.x, stand.height).mesh().resolution(64).build()
-        } else {
-            Cuboid::new(stand.size.x, stand.height, stand.size.y).into()
-        };
-        let middle = stand.place + Vec3::Y * (0.5 * stand.height);
+        for (mesh, middle) in parts(stand) {
+            commands.spawn((
+                Mesh3d(meshes.add(mesh)),
+                MeshMaterial3d(paint.clone()),
+                Transform::from_translation(stand.place + middle),
+                ChildOf(root),
+            ));
+        }
+    }
+    for bar in BARS {
         commands.spawn((
-            Mesh3d(meshes.add(mesh)),
-            MeshMaterial3d(paint.clone()),
-            Transform::from_translation(middle),
+            Mesh3d(meshes.add(Cuboid::from_size(bar.max - bar.min))),
+            MeshMaterial3d(paints.bars.clone()),
+            Transform::from_translation(bar.min.midpoint(bar.max)),
             ChildOf(root),
         ));
     }
@@ -117,5 +123,37 @@ pub fn spawn(
             GiProbeVolume { resolution },
             Transform::from_translation(room.min.midpoint(room.max)).with_scale(size),
         ));
+    }
+}
+
+/// What something that stands on the floor is made of, from the middle of its foot: plinths are
+/// massive, tables and benches have a top and two sides.
+fn parts(stand: &Stand) -> Vec<(Mesh, Vec3)> {
+    let Stand { size, height, .. } = *stand;
+    let middle = Vec3::Y * (0.5 * height);
+    match stand.look {
+        Look::White if stand.round => {
+            let mesh = Cylinder::new(0.5 * size.x, height).mesh().resolution(64).build();
+            vec![(mesh, middle)]
+        }
+        Look::White => vec![(Cuboid::new(size.x, height, size.y).into(), middle)],
+        Look::Oak => {
+            const THICK: f32 = 0.045;
+            let top = Cuboid::new(size.x, THICK, size.y);
+            let leg = height - THICK;
+            // The sides stand at the ends of the longer edge, a little in from them.
+            let (side, along) = if size.x > size.y {
+                (Cuboid::new(THICK, leg, size.y - 0.08), Vec3::X)
+            } else {
+                (Cuboid::new(size.x - 0.08, leg, THICK), Vec3::Z)
+            };
+            let out = along * (0.5 * size.max_element() - 0.12);
+            let foot = Vec3::Y * (0.5 * leg);
+            vec![
+                (top.into(), Vec3::Y * (height - 0.5 * THICK)),
+                (side.into(), foot + out),
+                (side.into(), foot - out),
+            ]
+        }
     }
 }

@@ -15,7 +15,7 @@ use super::settings::Gallery;
 /// Lux of the sun, facing it: through thin haze.
 const SUN: f32 = 14_000.0;
 /// Edge of a face of the cube that is seen, in pixels.
-const CUBE: u32 = 64;
+const CUBE: u32 = 192;
 /// Rows of the picture that lights; it is twice as wide.
 const ROWS: u32 = 32;
 
@@ -33,17 +33,29 @@ pub fn skybox(picture: &SkyPicture) -> Skybox {
 }
 
 /// Radiance of the sky in cd/m2 towards a direction, without the sun: deeper blue above, a pale band at
-/// the horizon, brighter round the sun; below the horizon a lawn.
+/// the horizon, brighter round the sun; below it hills in the haze, and a lawn.
 pub fn radiance(towards: Vec3, to_sun: Vec3, sunlit: bool) -> Vec3 {
     let sun = if sunlit { to_sun.y.max(0.0) } else { 0.0 };
     let day = 0.35 + 0.65 * sun;
-    if towards.y < 0.0 {
-        let light = 0.35 * 9000.0 * day;
-        return Vec3::new(0.10, 0.13, 0.06) * light / std::f32::consts::PI * 4.0;
+    let horizon = Vec3::new(0.90, 0.95, 1.0) * 3100.0;
+    let turn = towards.x.atan2(-towards.z);
+    let hill = |height: f32, waves: f32, phase: f32| {
+        height * (1.0 + 0.45 * (waves * turn + phase).sin() + 0.25 * (2.7 * waves * turn).sin())
+    };
+    if towards.y < hill(0.035, 5.0, 0.7) {
+        // Grass is darker close by, and hidden by the haze far away.
+        let lawn = Vec3::new(0.16, 0.20, 0.085) * 3600.0;
+        let trees = Vec3::new(0.105, 0.14, 0.10) * 3600.0;
+        let near =
+            if towards.y < 0.0 { trees.lerp(lawn, (-towards.y * 14.0).min(1.0)) } else { trees };
+        let haze = (1.0 - towards.y.min(0.0).abs() * 6.0).clamp(0.0, 1.0);
+        return near.lerp(horizon, 0.22 * haze) * day;
+    }
+    if towards.y < hill(0.075, 3.0, 2.1) {
+        return Vec3::new(0.22, 0.29, 0.33).lerp(Vec3::ONE, 0.3) * 2600.0 * day;
     }
     let zenith = Vec3::new(0.34, 0.56, 1.0) * 1700.0;
-    let horizon = Vec3::new(0.90, 0.95, 1.0) * 3100.0;
-    let height = towards.y.sqrt();
+    let height = towards.y.max(0.0).sqrt();
     let near_sun = towards.dot(to_sun).max(0.0).powf(6.0) * sun;
     let glow = Vec3::new(1.0, 0.86, 0.66) * 2200.0 * near_sun;
     (horizon.lerp(zenith, height) + glow) * day

@@ -41,6 +41,9 @@ const VIEWS: &[(&str, Vec3, Vec3)] = &[
     ("skylight", Vec3::new(-2.9, 1.3, 2.6), Vec3::new(0.6, 2.5, -1.2)),
 ];
 
+/// Index in [`VIEWS`] of the room that the lantern is carried into.
+const WINDOW_ROOM: usize = 3;
+
 /// The tour under way.
 struct Tour<'a> {
     headless: Headless,
@@ -351,22 +354,34 @@ impl Tour<'_> {
         }
     }
 
-    /// The lantern in another room, and its light everywhere.
+    /// The right hand takes the lantern into another room, and its light follows.
     fn carry_lamp(&mut self) -> Result<(), String> {
-        self.move_lamp(Vec3::new(-6.4, 1.7, 0.4));
-        self.converge()?;
-        self.look(Vec3::new(-5.0, 1.6, 1.4), Vec3::new(-7.6, 1.0, -1.6))?;
-        self.picture("lamp_by_the_window")?;
-        self.move_lamp(HOME);
-        self.converge()
-    }
-
-    fn move_lamp(&mut self, to: Vec3) {
+        let from_feet = Vec3::new(0.0, HOME.y, -0.5);
+        let there = Vec3::new(-6.0, HOME.y, 0.3);
+        self.point(Hand::Right, from_feet, Vec3::NEG_Z);
+        self.world().resource_mut::<XrRig>().0 = Transform::from_translation(HOME - from_feet);
+        self.frames(2)?;
+        self.press(Hand::Right, Xr::Squeeze, Vec2::X);
+        self.frames(3)?;
+        self.world().resource_mut::<XrRig>().0 = Transform::from_translation(there - from_feet);
+        self.frames(3)?;
+        self.press(Hand::Right, Xr::Squeeze, Vec2::ZERO);
+        self.frames(2)?;
+        self.hide_hands();
         let world = self.world();
-        let mut lamps = world.query_filtered::<&mut Transform, With<Lamp>>();
-        for mut lamp in lamps.iter_mut(world) {
-            lamp.translation = to;
+        let mut lamps = world.query_filtered::<&GlobalTransform, With<Lamp>>();
+        if let Some(lamp) = lamps.iter(world).next().map(GlobalTransform::translation) {
+            println!(
+                "lantern: carried {:.2} m, {:.4} m from the hand",
+                lamp.distance(HOME),
+                lamp.distance(there)
+            );
         }
+        self.converge()?;
+        let (_, eyes, at) = VIEWS[WINDOW_ROOM];
+        self.look(eyes, at)?;
+        self.picture("lantern_by_the_window")?;
+        Ok(())
     }
 
     /// A picture of the sculpture's turn.
