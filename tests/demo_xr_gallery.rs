@@ -228,6 +228,8 @@ fn a_tour_without_window_and_headset() {
     let [far, off] = numbers(&report, "teleport:")[..] else { panic!("{report}") };
     assert!(far > 1.5 && off < 0.01, "{report}");
 
+    // The ray of a hand pressed a switch of the panel in the world.
+    assert!(report.contains("panel: pressed"), "{report}");
     // What is near is farther to the left in the right eye's picture; what is far, less so. The round
     // plinth's edge is 2.2 m away, the painting on the wall behind it 4.7 m.
     let [left, right] = [picture("left"), picture("right")];

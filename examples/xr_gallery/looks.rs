@@ -7,7 +7,10 @@ use bevy::{
     prelude::*,
     render::renderer::RenderAdapterInfo,
 };
-use farlight::xr::{DesktopCamera, XrEye};
+use farlight::{
+    panel::{PanelCamera, PanelEye},
+    xr::{DesktopCamera, XrEye},
+};
 
 use super::{
     moving::Visitor,
@@ -50,7 +53,7 @@ pub fn spawn(mut commands: Commands, picture: Res<SkyPicture>) {
     let visitor = Visitor { yaw: 0.0, pitch: -0.06 };
     commands.spawn((
         Name::new("visitor"),
-        DesktopCamera,
+        (DesktopCamera, PanelCamera),
         Camera3d::default(),
         Projection::Perspective(PerspectiveProjection {
             fov: FIELD.to_radians(),
@@ -76,7 +79,7 @@ pub fn open_eyes(
 ) {
     let Some(picture) = picture else { return };
     for eye in &eyes {
-        commands.entity(eye).insert(of_every_camera(&picture));
+        commands.entity(eye).insert((PanelEye, of_every_camera(&picture)));
     }
 }
 

@@ -42,7 +42,7 @@ use std::{
 use args::{Args, HELP, Server};
 use bevy::prelude::*;
 use farlight::{
-    controls::bindings::{Bindings, Device, Preset},
+    controls::UserFile,
     gi::{BackendFactory, ThreadBackend},
     prelude::*,
     remote::{RemoteBackend, RemoteSettings},
@@ -96,21 +96,31 @@ fn light(args: &Args) -> Result<BackendFactory, String> {
 
 /// What the app is with and without a window or a headset.
 fn build(app: &mut App, args: &Args, light: BackendFactory) {
+    // A tour is the same wherever it is made: without what somebody has bound anew, or holds in hand.
+    let tour = args.tour.is_some();
     let settings = GiSettings {
         texels_per_metre: args.texels as f32,
         page_size: 512,
         max_pages: 4,
         seed: args.seed,
-        converged_paths: args.paths.unwrap_or(if args.tour.is_some() { 512 } else { 4096 }),
+        converged_paths: args.paths.unwrap_or(if tour { 512 } else { 4096 }),
         ..default()
+    };
+    let controls = ControlsPlugin {
+        file: Some("config/gallery.controls.ron".into()),
+        user_file: if tour { UserFile::Nowhere } else { UserFile::OfTheProgram },
+        gamepads: !tour,
     };
     // The gallery's own section is the panel's first.
     app.register_type::<settings::Gallery>()
         .init_resource::<settings::Gallery>()
         .add_panel_resource::<settings::Gallery>("Gallery")
         .insert_resource(settings)
-        .insert_resource(ControlsInForce { bindings: bindings() })
-        .add_plugins(FarlightPlugins.set(GiPlugin::with_backend(move |settings| light(settings))))
+        .add_plugins(
+            FarlightPlugins
+                .set(GiPlugin::with_backend(move |settings| light(settings)))
+                .set(controls),
+        )
         .insert_resource(GlobalAmbientLight::NONE)
         .insert_resource(ClearColor(Color::BLACK))
         .init_resource::<plan::Floor>()
@@ -120,23 +130,12 @@ fn build(app: &mut App, args: &Args, light: BackendFactory) {
         .add_systems(Startup, (rooms::spawn, labels::spawn, looks::spawn))
         .add_systems(
             Update,
-            (sky::update, (looks::open_eyes, looks::adapt, looks::smooth_edges).chain()),
+            (
+                settings::act,
+                sky::update,
+                (looks::open_eyes, looks::adapt, looks::smooth_edges).chain(),
+            ),
         );
-}
-
-/// The defaults of a room, and keys to take things in hand at a desk.
-fn bindings() -> Bindings {
-    let mut bindings = Bindings { preset: Preset::Room, ..default() };
-    for (action, device, inputs) in [
-        ("grab_right", Device::KeyboardMouse, "KeyE"),
-        ("grab_right", Device::Gamepad, "South"),
-        ("next_environment", Device::KeyboardMouse, ""),
-        ("previous_model", Device::Gamepad, ""),
-    ] {
-        let list = inputs.parse().into_iter().collect();
-        bindings.set(action, device, list);
-    }
-    bindings
 }
 
 /// With the headset, or in a window.

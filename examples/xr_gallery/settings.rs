@@ -1,7 +1,16 @@
 //! What people change in the gallery's panel.
 
 use bevy::prelude::*;
-use farlight::panel::field::{Label, Step, Unit};
+use farlight::{
+    controls::{
+        Controls,
+        actions::{Brighter, Darker, NextLamps, Quit, ToggleTurning},
+    },
+    panel::{
+        Notification,
+        field::{Label, Step, Unit},
+    },
+};
 
 /// The gallery's own settings.
 #[derive(Resource, Reflect, Clone, Debug, PartialEq)]
@@ -54,5 +63,36 @@ impl Gallery {
         let (height, from_north) = (self.sun_height.to_radians(), self.sun_direction.to_radians());
         let flat = Vec3::new(from_north.sin(), 0.0, -from_north.cos());
         flat * height.cos() + Vec3::Y * height.sin()
+    }
+}
+
+/// Does what actions say, and says what they did.
+pub fn act(
+    controls: Controls,
+    mut gallery: ResMut<Gallery>,
+    mut notifications: MessageWriter<Notification>,
+    mut exit: MessageWriter<AppExit>,
+) {
+    let on = |on: bool| if on { "on" } else { "off" };
+    let mut say = |text: String| {
+        notifications.write(Notification::new(text));
+    };
+    if controls.started::<NextLamps>() {
+        gallery.lamp = !gallery.lamp;
+        say(format!("Lantern {}", on(gallery.lamp)));
+    }
+    if controls.started::<ToggleTurning>() {
+        gallery.turning = !gallery.turning;
+        say(format!("The sculpture {}", if gallery.turning { "turns" } else { "rests" }));
+    }
+    let stops = 0.5
+        * (f32::from(u8::from(controls.started::<Brighter>()))
+            - f32::from(u8::from(controls.started::<Darker>())));
+    if stops != 0.0 {
+        gallery.exposure = (gallery.exposure + stops).clamp(-3.0, 3.0);
+        say(format!("Exposure {:+.1} EV", gallery.exposure));
+    }
+    if controls.started::<Quit>() {
+        exit.write(AppExit::Success);
     }
 }
