@@ -23,7 +23,9 @@ struct Entry {
     mean_blue: f32,
     // A light's share is min(1, fade * cosine): less than 1 where it stands lower than was measured.
     fade: f32,
-    padding: u32,
+    // Halvings of the picture's size: at least so many, or, less than 0, so many fewer than its size on
+    // screen asks for.
+    coarseness: f32,
 }
 
 #if AVAILABLE_STORAGE_BUFFER_BINDINGS >= 8

@@ -121,7 +121,7 @@ fn wrapped(texel: vec2<f32>, size: vec2<f32>) -> vec2<u32> {
     return vec2<u32>(clamp(texel - size * floor(texel / size), vec2(0.0), size - 1.0));
 }
 
-// The layout of the picture whose texels are about as large as a pixel.
+// The layout of the picture whose texels are about as large as a pixel, or as coarse as is asked for.
 fn level_of(entry: ptr<function, Entry>, footprint: Footprint) -> Layout {
     var btf = (*entry).btf;
     let size = vec2(f32(btf.columns), f32(btf.rows));
@@ -129,11 +129,12 @@ fn level_of(entry: ptr<function, Entry>, footprint: Footprint) -> Layout {
     let y = length(footprint.along_y * size);
     // Where a pixel is long, half of its length: rather a little noise than a blur.
     let texels = max(min(x, y), 0.5 * max(x, y));
-    if !(texels > 1.0) || (*entry).coarse_count == 0u {
+    let halvings = max(log2(max(texels, 1.0)) + min((*entry).coarseness, 0.0), (*entry).coarseness);
+    if !(halvings > 0.0) || (*entry).coarse_count == 0u {
         return btf;
     }
     let dither = interleaved_gradient_noise(footprint.pixel, 0u);
-    let level = min(u32(log2(texels) + dither), (*entry).coarse_count);
+    let level = u32(min(halvings + dither, f32((*entry).coarse_count)));
     if level == 0u {
         return btf;
     }

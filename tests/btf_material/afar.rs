@@ -66,6 +66,44 @@ fn what_is_small_does_not_flicker() {
     assert!((mean - 0.5).abs() < 0.03 && variance.sqrt() < 0.1, "{mean}, {}", variance.sqrt());
 }
 
+/// Seen near, a material of a quarter of its resolution has the same mean and less detail; from afar,
+/// one that may be finer than a pixel has more, since it is not averaged.
+#[test]
+fn the_resolution_of_a_material_can_be_chosen() {
+    let mut stage = Stage::new();
+    stage.float_camera(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 2.0);
+    stage.spawn((
+        DirectionalLight { illuminance: std::f32::consts::PI, ..default() },
+        Transform::from_xyz(0.0, 0.0, 1.0).looking_at(Vec3::ZERO, Vec3::Y),
+    ));
+    let btf = stage.btf(checker(16));
+    let square = stage.mesh(Rectangle::new(2.0, 2.0));
+    let mut seen = |repeat: f32, coarseness: f32| {
+        let material = stage.material(BtfMaterial {
+            repeat: Vec2::splat(repeat),
+            filter: BtfFilter::Nearest,
+            coarseness,
+            ..BtfMaterial::new(btf.clone())
+        });
+        let plane = stage.spawn((Mesh3d(square.clone()), material));
+        stage.settle();
+        let pixels = stage.floats();
+        stage.world().despawn(plane);
+        let mean = pixels.iter().map(|pixel| pixel.x).sum::<f32>() / pixels.len() as f32;
+        let variance =
+            pixels.iter().map(|pixel| (pixel.x - mean).powi(2)).sum::<f32>() / pixels.len() as f32;
+        println!("repeated {repeat}, coarseness {coarseness}: {mean:.3} +- {:.3}", variance.sqrt());
+        (mean, variance.sqrt())
+    };
+    // A quarter of a texel a pixel: black and white, which deviate by a half.
+    let [near, halved] = [0.0, 2.0].map(|coarseness| seen(1.0, coarseness));
+    assert!(near.1 > 0.45 && halved.1 < 0.1, "{near:?} {halved:?}");
+    assert!((halved.0 - near.0).abs() < 0.03, "{near:?} {halved:?}");
+    // Seven texels a pixel.
+    let [far, whole] = [0.0, BtfMaterial::WHOLE_PICTURE].map(|coarseness| seen(27.3, coarseness));
+    assert!(far.1 < 0.1 && whole.1 > 0.4, "{far:?} {whole:?}");
+}
+
 /// The made cloth, near and from afar: the mean colour stays, straight on and at an angle. Levels have
 /// 0.5 to 4 % of error on average over many views and lights; a single one may be off by more.
 #[test]

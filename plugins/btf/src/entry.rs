@@ -20,7 +20,7 @@ pub(crate) struct Entry {
     pub(crate) albedo_directions: u32,
     pub(crate) mean: [f32; 3],
     pub(crate) fade: f32,
-    pub(crate) padding: u32,
+    pub(crate) coarseness: f32,
 }
 
 impl Entry {
@@ -48,7 +48,7 @@ impl Entry {
             albedo_directions: directions.albedo,
             mean: coarse.mean.to_array(),
             fade: fade_slope(limit),
-            padding: 0,
+            coarseness: if material.coarseness.is_finite() { material.coarseness } else { 0.0 },
         }
     }
 }

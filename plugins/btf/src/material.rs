@@ -54,6 +54,12 @@ pub struct BtfMaterial {
     pub gain: f32,
     /// How texels are joined.
     pub filter: BtfFilter,
+    /// The picture's resolution: how often its width and height are halved at least, from 0 to the
+    /// number of coarser pictures (down to about 4 x 4 texels); between two numbers they are dithered.
+    /// Where the material is seen from afar, coarser pictures are shown anyway. A negative number puts
+    /// that off, by so many halvings: sharper, until it flickers. [`Self::WHOLE_PICTURE`] shows no coarser
+    /// pictures at all.
+    pub coarseness: f32,
     /// Whether the backs of triangles are seen too, as the same material.
     pub double_sided: bool,
     /// Whether light that stands lower than any that was measured
@@ -64,6 +70,9 @@ pub struct BtfMaterial {
 }
 
 impl BtfMaterial {
+    /// The [`coarseness`](Self::coarseness) with which every texel is as measured, at any distance.
+    pub const WHOLE_PICTURE: f32 = -32.0;
+
     /// As measured, once over the UV square.
     pub fn new(btf: Handle<BtfAsset>) -> Self {
         Self {
@@ -71,6 +80,7 @@ impl BtfMaterial {
             repeat: Vec2::ONE,
             gain: 1.0,
             filter: BtfFilter::default(),
+            coarseness: 0.0,
             double_sided: false,
             fade_beyond_measured: true,
         }
