@@ -125,10 +125,9 @@ pub(crate) fn show(world: &mut World) {
     }
     let visible = here && (state.menu || state.help || lines || hint > 0.0);
     if !visible {
-        if world.resource::<Screen>().shown {
-            world.resource_mut::<Screen>().shown = false;
-            world.entity_mut(camera).remove::<EguiRenderOutput>();
-        }
+        // What was drawn last is taken when it is drawn, so that there is nothing from now on. (To remove
+        // it would leave the renderer of bevy_egui 0.42 with a view that is gone: it panics.)
+        world.resource_mut::<Screen>().shown = false;
         return;
     }
     let Some((rect, native)) = world.get::<Camera>(camera).and_then(|camera| {

@@ -54,6 +54,16 @@ pub trait AddPanel {
         T: Component<Mutability = Mutable> + Reflect,
         F: bevy::ecs::query::QueryFilter + 'static;
 
+    /// Shows a reflected part of a resource.
+    fn add_panel_part<T, P>(
+        &mut self,
+        title: &'static str,
+        part: fn(&mut T) -> &mut P,
+    ) -> &mut Self
+    where
+        T: Resource + Component<Mutability = Mutable>,
+        P: PartialReflect;
+
     /// Shows whatever `draw` draws, by [`egui`](crate::egui). It runs once for each picture of the
     /// panel while its section is unfolded.
     fn add_panel_section(
@@ -118,6 +128,22 @@ impl AddPanel for App {
                 if ui.push_id(entity, |ui| fields.root(ui, value_mut)).inner {
                     value.set_changed();
                 }
+            }
+        })
+    }
+
+    fn add_panel_part<T, P>(&mut self, title: &'static str, part: fn(&mut T) -> &mut P) -> &mut Self
+    where
+        T: Resource + Component<Mutability = Mutable>,
+        P: PartialReflect,
+    {
+        self.add_panel_section(title, move |ui, world| {
+            let registry = world.resource::<AppTypeRegistry>().clone();
+            let registry = registry.read();
+            let fields = Fields { registry: &registry, read_only: false };
+            let Some(mut value) = world.get_resource_mut::<T>() else { return };
+            if fields.root(ui, part(value.bypass_change_detection()).as_partial_reflect_mut()) {
+                value.set_changed();
             }
         })
     }
