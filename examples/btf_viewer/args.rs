@@ -2,14 +2,15 @@
 
 use std::path::PathBuf;
 
-use super::config::{Environment, Material, Model, Rig, Shape, Viewer};
+use super::config::{Environment, HeadsetMode, Material, Model, Rig, Shape, Viewer};
 
 /// What `--help` prints.
 pub const HELP: &str = "\
 Measured materials (BTFs) on objects, under lamps and environments.
 
 USAGE
-    btf_viewer [OPTIONS]                      in a window; the keys are on screen
+    btf_viewer [OPTIONS]                      in a window and, if there is one, in a headset; F1 shows
+                                              what keys, gamepad or controllers do
     btf_viewer --headless --out DIR [OPTIONS] without a window: a turntable as PNG files
 
 OPTIONS
@@ -25,9 +26,14 @@ OPTIONS
     --exposure EV       exposure value at ISO 100; one more is half as bright
     --camera X,Y,Z      where the camera stands, in metres from the object's middle; the object faces +z
     --size WxH          of the pictures (default 640x480) or of the window, 16 to 8192 a side
+    --xr auto|on|off    whether a headset is used: if there is one; it must be there; never
     --headless          no window
     --out DIR           where the pictures go: frame_000.png, ... and contact.png with all of them
     --frames N          pictures of the whole turn, 1 to 1000 (default 12)
+    --replay FILE       plays a recording of actions (docs/controls.md); without a window instead of the
+                        turntable: before.png and after.png, and on the console what it did
+    --ui                instead of the turntable: the first screen, help, menu, and what both eyes of a
+                        headset see, as first.png, help.png, menu.png, left.png and right.png
     -h, --help          this text
 
 EXAMPLES
@@ -51,6 +57,7 @@ pub struct Args {
     light: Option<Rig>,
     environment: Option<String>,
     progressive: Option<bool>,
+    xr: Option<HeadsetMode>,
     exposure: Option<f32>,
     camera: Option<(f32, f32, f32)>,
     /// Size of pictures or window.
@@ -59,6 +66,10 @@ pub struct Args {
     pub headless: Option<PathBuf>,
     /// How many.
     pub frames: u32,
+    /// A recording of actions.
+    pub replay: Option<PathBuf>,
+    /// Pictures of the program instead.
+    pub ui: bool,
 }
 
 impl Args {
@@ -83,9 +94,12 @@ impl Args {
                         other => return Err(format!("--progressive {other}: not on or off")),
                     });
                 }
+                "--xr" => args.xr = Some(headset(&value()?)?),
                 "--exposure" => args.exposure = Some(number(&name, &value()?)?),
                 "--camera" => args.camera = Some(place(&value()?)?),
                 "--size" => args.size = Some(size(&value()?)?),
+                "--replay" => args.replay = Some(value()?.into()),
+                "--ui" => args.ui = true,
                 "--headless" => headless = true,
                 "--out" => out = Some(PathBuf::from(value()?)),
                 "--frames" => {
@@ -101,6 +115,9 @@ impl Args {
             (false, Some(_)) => return Err("--out goes with --headless".into()),
             (_, out) => out,
         };
+        if args.ui && args.headless.is_none() {
+            return Err("--ui goes with --headless".into());
+        }
         Ok(args)
     }
 
@@ -154,6 +171,7 @@ impl Args {
         config.progressive.on = self.progressive.unwrap_or(config.progressive.on);
         config.exposure = self.exposure.unwrap_or(config.exposure);
         config.camera.position = self.camera.unwrap_or(config.camera.position);
+        config.xr.mode = self.xr.unwrap_or(config.xr.mode);
         config.window = self.size.unwrap_or(config.window);
         Ok(())
     }
@@ -164,6 +182,15 @@ fn rig(text: &str) -> Result<Rig, String> {
         .into_iter()
         .find(|rig| rig.name() == text)
         .ok_or(format!("--light {text}: not point, five, sun, spot or none"))
+}
+
+fn headset(text: &str) -> Result<HeadsetMode, String> {
+    match text {
+        "auto" => Ok(HeadsetMode::Auto),
+        "on" => Ok(HeadsetMode::On),
+        "off" => Ok(HeadsetMode::Off),
+        _ => Err(format!("--xr {text}: not auto, on or off")),
+    }
 }
 
 fn number(name: &str, text: &str) -> Result<f32, String> {

@@ -4,16 +4,21 @@ use bevy::{asset::Asset, prelude::*, reflect::TypePath};
 use farlight::core::{FieldProblem, RonSettings};
 use serde::Deserialize;
 
+#[path = "config_defaults.rs"]
+mod defaults;
+
 /// What is shown, how, and where pictures go: `assets/config/btf_viewer.ron`. Every field may be left
 /// out; an unknown one is an error. Paths are relative to the folder `assets`, or absolute.
 ///
-/// What the viewer of the thesis (Schiller 2022, appendix C) had and this one does not:
+/// What the configuration of the thesis's viewer (Schiller 2022, appendix C) has and this one has under
+/// another name, or does not need:
 ///
 /// | there | here |
 /// |---|---|
 /// | `cu-threads-per-block`, `ocl-threads-per-block`, `ocl-kernels-path` | nothing to set: a material is decoded in the fragment shader, on every graphics API |
 /// | `btf-cubemap-folder` | nothing: angles are computed, not looked up |
-/// | `use-vr`, `use-vr-native-res`, `vr-fb-width`, `vr-fb-height` | nothing yet: headsets come with the plugin `xr` |
+/// | `use-vr` | `xr.mode`, and no need for it: a headset that is there is used |
+/// | `use-vr-native-res`, `vr-fb-width`, `vr-fb-height` | `xr.resolution_scale`: the headset knows its own size |
 /// | `fb-width`, `fb-height` | `window` |
 /// | `fb-min-scale-factor`, `fb-max-scale-factor` | `resolution` |
 /// | `envmap-exposure` | `brightness` of an environment |
@@ -47,8 +52,42 @@ pub struct Viewer {
     pub light: Light,
     /// Exposure value at ISO 100, -10 to 25; one more is half as bright.
     pub exposure: f32,
+    /// Bindings of keys, gamepads and controllers: a file of `ControlsSettings`. Empty is the suite's
+    /// own. What a person binds in the panel goes over it.
+    pub controls: String,
+    /// Headsets. Read at the start.
+    pub xr: Headset,
     /// What is shown first.
     pub start: Start,
+}
+
+/// Headsets, by OpenXR.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Headset {
+    /// Whether one is used.
+    pub mode: HeadsetMode,
+    /// Pixels along each edge of an eye's picture, as a part of what the headset asks for, 0.25 to 2.
+    pub resolution_scale: f32,
+    /// Height of the object's middle above the floor in metres, 0 to 5.
+    pub height: f32,
+    /// Metres from where you stand to the object's middle, 0 to 10.
+    pub distance: f32,
+    /// How large objects are: metres, of the height of the cylinder that they fit, 0.01 to 10.
+    /// `None` is life size, where a unit of the file is a metre.
+    pub size: Option<f32>,
+}
+
+/// Whether a headset is used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+pub enum HeadsetMode {
+    /// If there is one.
+    #[default]
+    Auto,
+    /// Without one the program ends and says why.
+    On,
+    /// Never.
+    Off,
 }
 
 /// Pixels drawn for a pixel of the window, along each edge: 0.1 to 4. Like everything it can be changed
@@ -163,7 +202,7 @@ pub struct Light {
 }
 
 /// Which lamps are on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Reflect)]
 pub enum Rig {
     /// None: the environment alone.
     None,
@@ -203,95 +242,22 @@ fn thousand() -> f32 {
     1000.0
 }
 
-impl Default for Viewer {
-    fn default() -> Self {
-        let file = |name: &str| Model {
-            name: name.into(),
-            shape: Shape::File(format!("models/{name}.glb")),
-            uv_metres: 1.0,
-            turn: 0.0,
-        };
-        let shape = |name: &str, shape| Model { shape, ..file(name) };
-        let environment = |name: &str| Environment {
-            name: name.into(),
-            path: format!("environments/{name}.hdr"),
-            brightness: 1000.0,
-            turn: 0.0,
-        };
-        Self {
-            window: (1280, 720),
-            resolution: Resolution::default(),
-            background: (25, 25, 30),
-            camera: CameraPlace::default(),
-            screenshots: "screenshots".into(),
-            base_scale: 1.0,
-            base_offset: (0.0, 0.0, 0.0),
-            models: vec![
-                shape("sphere", Shape::Sphere),
-                shape("plane", Shape::Plane),
-                file("drape"),
-                file("bunny"),
-                file("hippo"),
-            ],
-            materials: vec![Material {
-                name: "cloth".into(),
-                path: "materials/cloth.fbtf".into(),
-                size: None,
-                gain: 1.0,
-            }],
-            environments: ["studio", "sky", "interior", "overcast", "evening"]
-                .map(environment)
-                .to_vec(),
-            progressive: Progressive::default(),
-            light: Light::default(),
-            exposure: 9.7,
-            start: Start::default(),
-        }
-    }
-}
-
-impl Default for Resolution {
-    fn default() -> Self {
-        Self { least: 0.25, scale: 1.0, greatest: 2.0 }
-    }
-}
-
-impl Default for CameraPlace {
-    fn default() -> Self {
-        Self { position: (1.7, 0.7, 3.7), field_of_view: 36.0 }
-    }
-}
-
-impl Default for Progressive {
-    fn default() -> Self {
-        Self { on: true, lights: 200, per_frame: 5, shadows: true }
-    }
-}
-
-impl Default for Light {
-    fn default() -> Self {
-        Self { illuminance: 3000.0, direction: (50.0, 40.0) }
-    }
-}
-
-impl Default for Start {
-    fn default() -> Self {
-        Self {
-            object: "bunny".into(),
-            material: String::new(),
-            light: Rig::Point,
-            environment: "studio".into(),
-            backdrop: true,
-            floor: true,
-        }
-    }
-}
-
 impl Rig {
     /// All, in the order of the key.
     pub const ALL: [Self; 5] = [Self::Point, Self::Five, Self::Sun, Self::Spot, Self::None];
 
-    /// As on the command line and on screen.
+    /// For people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Point => "one point light",
+            Self::Five => "five point lights",
+            Self::Sun => "sun",
+            Self::Spot => "spot light",
+        }
+    }
+
+    /// As on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -332,6 +298,10 @@ impl RonSettings for Viewer {
         within("progressive.per_frame", per_frame as f32, 1.0, 10.0)?;
         within("light.illuminance", self.light.illuminance, 0.0, 1e6)?;
         within("light.direction", self.light.direction.1, -90.0, 90.0)?;
+        within("xr.resolution_scale", self.xr.resolution_scale, 0.25, 2.0)?;
+        within("xr.height", self.xr.height, 0.0, 5.0)?;
+        within("xr.distance", self.xr.distance, 0.0, 10.0)?;
+        within("xr.size", self.xr.size.unwrap_or(1.0), 0.01, 10.0)?;
         if self.models.is_empty() {
             return Err(FieldProblem::new("models", "at least one is needed"));
         }

@@ -15,8 +15,10 @@ use bevy::{
 use farlight::{ibl::EnvironmentState, prelude::*};
 
 use super::{
-    config::{self, Progressive},
-    state::{self, Config, Problems, Shown},
+    config,
+    shown::Shown,
+    stage::Stage,
+    state::{self, Config, Problems},
 };
 
 /// The multisampling that a camera has while it doesn't refine its picture.
@@ -27,38 +29,69 @@ fn path(chosen: &config::Environment) -> AssetPath<'static> {
     AssetPath::from_path_buf(chosen.path.clone().into())
 }
 
-/// Gives the chosen environment to the light and to the camera.
+/// What was written last, to tell what others changed: the suite's own section of the panel.
+#[derive(Resource, Default)]
+pub struct Written(Option<ProgressiveLighting>);
+
+/// Takes over what was changed elsewhere.
+pub fn adopt(lighting: Res<ProgressiveLighting>, written: Res<Written>, mut shown: ResMut<Shown>) {
+    let Some(written) = written.0.as_ref().filter(|_| lighting.is_changed()) else { return };
+    if *written == *lighting {
+        return;
+    }
+    let light = &mut shown.light;
+    if lighting.enabled != written.enabled {
+        light.progressive = lighting.enabled;
+        light.shines |= lighting.enabled;
+    }
+    if lighting.brightness != written.brightness && written.brightness > 0.0 {
+        let factor = lighting.brightness / written.brightness;
+        light.brightness = (light.brightness * factor).clamp(0.01, 100.0);
+    }
+    (light.lights, light.per_frame) = (lighting.lights, lighting.per_frame);
+    light.shadows = lighting.shadows;
+}
+
+/// Gives the chosen environment to the light and to all cameras.
 pub fn show(
     mut commands: Commands,
     config: Res<Config>,
     shown: Res<Shown>,
+    stage: Res<Stage>,
     server: Res<AssetServer>,
     mut lighting: ResMut<ProgressiveLighting>,
+    mut written: ResMut<Written>,
     cameras: Query<(Entity, &Msaa, Option<&Plain>, Has<ProgressiveCamera>), With<Camera3d>>,
+    added: Query<(), Added<Camera3d>>,
 ) {
-    if !config.is_changed() && !shown.is_changed() {
+    if !config.is_changed() && !shown.is_changed() && !stage.is_changed() && added.is_empty() {
         return;
     }
-    let chosen = shown.environment.and_then(|i| config.0.environments.get(i));
+    let light = &shown.light;
+    let chosen = light.environment.and_then(|i| config.0.environments.get(i));
     // It turns with the lamps.
-    let turn = chosen
-        .map_or(0.0, |chosen| chosen.turn + shown.light_direction.x - config.0.light.direction.0);
-    let Progressive { lights, per_frame, shadows, .. } = config.0.progressive;
+    let turn = chosen.map_or(0.0, |chosen| chosen.turn + light.turn - config.0.light.direction.0);
+    let refines_all = light.progressive && light.shines;
     lighting.set_if_neq(ProgressiveLighting {
-        enabled: shown.progressive,
+        enabled: refines_all,
         environment: chosen.map(|chosen| server.load(path(chosen))),
         rotation: Quat::from_rotation_y(turn.to_radians()),
-        brightness: chosen.map_or(0.0, |chosen| chosen.brightness),
-        lights,
-        per_frame,
-        shadows,
-        shadow_distance: 30.0 * config.0.base_scale.max(1.0),
-        ..default()
+        brightness: chosen.map_or(0.0, |chosen| chosen.brightness * light.brightness),
+        lights: light.lights,
+        per_frame: light.per_frame,
+        shadows: light.shadows,
+        shadow_distance: 30.0 * stage.scale.max(0.2),
+        ..lighting.clone()
     });
+    written.0 = Some(lighting.clone());
     for (entity, msaa, plain, refines) in &cameras {
         let mut camera = commands.entity(entity);
-        camera.insert_if_new(ImageBasedFallback);
-        match (shown.progressive && chosen.is_some(), refines) {
+        if light.shines {
+            camera.insert_if_new(ImageBasedFallback);
+        } else {
+            camera.remove::<ImageBasedFallback>();
+        }
+        match (refines_all && chosen.is_some(), refines) {
             (true, false) => {
                 camera.insert((Plain(*msaa), ProgressiveCamera::default()));
             }
@@ -69,7 +102,7 @@ pub fn show(
             }
             _ => {}
         }
-        if shown.backdrop {
+        if light.backdrop {
             camera.insert_if_new(EnvironmentBackdrop::default());
         } else {
             camera.remove::<EnvironmentBackdrop>();
@@ -96,7 +129,7 @@ pub fn watch(
         problems.environment = problem;
     }
     let now = time.elapsed_secs();
-    let chosen = shown.environment.and_then(|i| config.0.environments.get(i));
+    let chosen = shown.light.environment.and_then(|i| config.0.environments.get(i));
     let Some(chosen) = chosen.filter(|_| now - seen.0 > 1.0) else { return };
     let written = state::written(&state::on_disk(&chosen.path));
     if seen.1 == chosen.path && seen.2 != written && written.is_some() {
@@ -108,13 +141,14 @@ pub fn watch(
 /// Whether what the chosen environment does is still being prepared.
 pub fn is_busy(world: &mut World) -> bool {
     let shown = world.resource::<Shown>();
-    let (wanted, progressive) = (shown.environment.is_some(), shown.progressive);
-    let backdrop = wanted && shown.backdrop;
+    let light = &shown.light;
+    let (wanted, shines) = (light.environment.is_some(), light.shines);
+    let (progressive, backdrop) = (light.progressive, wanted && light.backdrop);
     let mut cameras =
         world.query_filtered::<(Has<Skybox>, Has<EnvironmentMapLight>), With<Camera3d>>();
     let missing = cameras
         .iter(world)
-        .any(|(sky, light)| (backdrop && !sky) || (wanted && !progressive && !light));
+        .any(|(sky, image)| (backdrop && !sky) || (wanted && shines && !progressive && !image));
     match world.resource::<EnvironmentStatus>().state {
         EnvironmentState::Failed(_) => false,
         EnvironmentState::None => wanted,

@@ -2,10 +2,7 @@
 
 use bevy::{light::CascadeShadowConfigBuilder, prelude::*};
 
-use super::{
-    config::Rig,
-    state::{Config, Shown},
-};
+use super::{config::Rig, shown::Shown, stage::Stage, state::Config};
 
 /// Metres from the object's middle.
 const DISTANCE: f32 = 3.0;
@@ -33,15 +30,14 @@ pub fn hang(
     mut commands: Commands,
     config: Res<Config>,
     shown: Res<Shown>,
+    stage: Res<Stage>,
     rig: Single<(Entity, &mut LampRig, &mut Transform)>,
 ) {
     let (entity, mut hung, mut transform) = rig.into_inner();
-    let Vec2 { x: turn, y: height } = shown.light_direction;
+    let (turn, height) = (shown.light.turn, shown.light.height);
     let rotation = Quat::from_euler(EulerRot::YXZ, turn.to_radians(), -height.to_radians(), 0.0);
-    transform.set_if_neq(
-        Transform::from_translation(config.0.base_offset.into()).with_rotation(rotation),
-    );
-    let wanted = (shown.light, config.0.light.illuminance);
+    transform.set_if_neq(Transform::from_translation(stage.middle).with_rotation(rotation));
+    let wanted = (shown.light.lamps, config.0.light.illuminance);
     if hung.0 == Some(wanted) {
         return;
     }
@@ -65,7 +61,7 @@ pub fn hang(
         };
         (ChildOf(entity), lamp, at(direction))
     };
-    match shown.light {
+    match shown.light.lamps {
         Rig::None => {}
         Rig::Point => {
             commands.spawn(point([0.0, 0.0, 1.0], 1.0, [1.0; 3]));

@@ -18,7 +18,8 @@ use farlight_btf_codec::{Btf, read};
 use super::{
     config::Material,
     object::Surface,
-    state::{self, Config, Problems, Shown},
+    shown::{Evaluation, MaterialShown, Shown},
+    state::{self, Config, Problems},
 };
 
 /// Metres a texel where neither file nor configuration says it.
@@ -145,7 +146,7 @@ fn load(
             }
         }
     }
-    let Some(chosen) = config.0.materials.get(shown.material) else { return };
+    let Some(chosen) = config.0.materials.get(shown.material.choice) else { return };
     let entry = materials.0.entry(chosen.path.clone()).or_insert_with(|| begin(&chosen.path));
     if problems.material != entry.problem {
         problems.material.clone_from(&entry.problem);
@@ -158,6 +159,7 @@ pub fn size(material: &Material, about: &About) -> Vec2 {
     let told = about.size.map_or(texels * TEXEL, Vec2::from);
     material.size.map_or(told, Vec2::from)
 }
+
 /// Puts the material onto the object's surfaces, as soon as it is there.
 fn dress(
     mut commands: Commands,
@@ -167,27 +169,45 @@ fn dress(
     mut looks: ResMut<Assets<BtfMaterial>>,
     surfaces: Query<(Entity, &Surface, Option<&MeshMaterial3d<BtfMaterial>>)>,
 ) {
-    let Some(chosen) = config.0.materials.get(shown.material) else { return };
+    let Some(chosen) = config.0.materials.get(shown.material.choice) else { return };
     let entry = materials.0.get(&chosen.path);
     let Some((btf, about)) = entry.and_then(|entry| entry.ready.as_ref()) else { return };
     for (entity, surface, worn) in &surfaces {
-        let repeat = surface.uv_metres / (size(chosen, about) * shown.pattern);
-        let gain = chosen.gain;
+        let repeat = surface.uv_metres / (size(chosen, about) * shown.material.size);
+        let look = look(&shown.material, btf, repeat, chosen.gain);
         let Some(worn) = worn else {
-            let look = BtfMaterial { repeat, gain, ..BtfMaterial::new(btf.clone()) };
             commands
                 .entity(entity)
                 .remove::<MeshMaterial3d<StandardMaterial>>()
                 .insert(MeshMaterial3d(looks.add(look)));
             continue;
         };
-        let same = looks
-            .get(worn)
-            .is_some_and(|old| old.btf == *btf && old.repeat == repeat && old.gain == gain);
+        let same = looks.get(worn).is_some_and(|old| {
+            old.btf == look.btf
+                && old.repeat == look.repeat
+                && old.gain == look.gain
+                && old.filter == look.filter
+                && old.coarseness == look.coarseness
+        });
         if !same && let Some(mut old) = looks.get_mut(worn) {
-            old.btf = btf.clone();
-            old.repeat = repeat;
-            old.gain = gain;
+            *old = look;
         }
+    }
+}
+
+/// The material as it is to be evaluated.
+fn look(shown: &MaterialShown, btf: &Handle<BtfAsset>, repeat: Vec2, gain: f32) -> BtfMaterial {
+    BtfMaterial {
+        repeat,
+        gain: gain * shown.gain,
+        filter: match shown.evaluation {
+            Evaluation::Nearest => BtfFilter::Nearest,
+            Evaluation::Smooth | Evaluation::Full => BtfFilter::Bilinear,
+        },
+        coarseness: match shown.evaluation {
+            Evaluation::Full if shown.halvings == 0.0 => BtfMaterial::WHOLE_PICTURE,
+            _ => shown.halvings,
+        },
+        ..BtfMaterial::new(btf.clone())
     }
 }

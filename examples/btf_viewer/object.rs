@@ -10,7 +10,9 @@ use bevy::{
 
 use super::{
     config::{Model, Shape},
-    state::{Config, Problems, Shown},
+    shown::{Shown, degrees},
+    stage::Stage,
+    state::{Config, Problems},
     tangents,
 };
 
@@ -78,7 +80,7 @@ pub fn choose(
     objects: Query<(Entity, &Object)>,
     mut problems: ResMut<Problems>,
 ) {
-    let Some(model) = config.0.models.get(shown.object) else { return };
+    let Some(model) = config.0.models.get(shown.object.choice) else { return };
     if objects.iter().any(|(_, object)| object.0 == *model) {
         return;
     }
@@ -170,24 +172,25 @@ pub fn arrive(
     }
 }
 
-/// Brings an object to its size, its middle to the turntable's, the plinth under it.
+/// Brings an object to its size, its middle to the turntable's.
 pub fn fit(
     mut commands: Commands,
-    config: Res<Config>,
+    stage: Res<Stage>,
     meshes: Res<Assets<Mesh>>,
     unfitted: Query<(), With<Unfitted>>,
     children: Query<&Children>,
     parts: Query<&Mesh3d>,
     nodes: Query<(&ChildOf, &Transform), Without<Object>>,
     mut objects: Query<(Entity, &Object, &mut Transform, &mut Visibility)>,
-    mut stand: ResMut<Stand>,
+    mut form: ResMut<Form>,
 ) {
-    if unfitted.is_empty() && !config.is_changed() {
+    if unfitted.is_empty() && !stage.is_changed() {
         return;
     }
     for (entity, object, mut transform, mut visibility) in &mut objects {
         let turn = Quat::from_rotation_y(object.0.turn.to_radians());
         let (mut low, mut high) = (Vec3::MAX, Vec3::MIN);
+        let mut points = Vec::new();
         for part in children.iter_descendants(entity) {
             let Ok(mesh) = parts.get(part) else { continue };
             let mut frame = Mat4::IDENTITY;
@@ -202,55 +205,91 @@ pub fn fit(
                     let p = turn * frame.transform_point3(Vec3::from(*p));
                     low = low.min(p);
                     high = high.max(p);
+                    points.push(p);
                 }
             }
             commands.entity(part).remove::<Unfitted>();
         }
         let half = 0.5 * (high - low);
+        let middle = low.midpoint(high);
         let [radius, height] = REACH;
-        let scale = (radius / half.xz().length()).min(height / half.y) * config.0.base_scale;
-        if !scale.is_finite() || scale <= 0.0 {
+        let fitting = (radius / half.xz().length()).min(height / half.y);
+        if !fitting.is_finite() || fitting <= 0.0 {
             continue;
         }
-        *transform = Transform {
-            translation: -low.midpoint(high) * scale,
+        let scale = if stage.life_size { 1.0 } else { fitting * stage.scale };
+        transform.set_if_neq(Transform {
+            translation: -middle * scale,
             rotation: turn,
             scale: Vec3::splat(scale),
-        };
+        });
         *visibility = Visibility::Inherited;
-        stand.0 = half.y * scale;
+        points.iter_mut().for_each(|point| *point -= middle);
+        *form = Form { points, lowest: None, scale, reach: half.xz().length() * scale };
     }
 }
 
-/// How far the plinth's top lies below the object's middle.
+/// What is known of the object's form.
 #[derive(Resource, Default)]
-pub struct Stand(f32);
+pub struct Form {
+    /// Its points, about its middle, in the file's unit.
+    points: Vec<Vec3>,
+    /// How deep it reaches in that unit, lying so.
+    lowest: Option<(Quat, f32)>,
+    /// Metres of that unit.
+    scale: f32,
+    /// Radius of the upright cylinder round it, in metres.
+    pub reach: f32,
+}
 
-/// Turns the object, moves and hides the plinth.
+impl Form {
+    /// The height of its lowest point, lying so, whatever its turn about the vertical axis.
+    fn lowest(&mut self, tilt: Quat) -> f32 {
+        match self.lowest {
+            Some((known, lowest)) if known == tilt => lowest,
+            _ => {
+                let up = tilt.inverse() * Vec3::Y;
+                let lowest = self.points.iter().map(|p| up.dot(*p)).reduce(f32::min);
+                self.lowest = Some((tilt, lowest.unwrap_or(0.0)));
+                lowest.unwrap_or(0.0)
+            }
+        }
+    }
+}
+
+/// Turns and moves the object; moves and hides the plinth below it.
 pub fn place(
     time: Res<Time>,
-    config: Res<Config>,
-    stand: Res<Stand>,
+    stage: Res<Stage>,
+    mut form: ResMut<Form>,
     mut shown: ResMut<Shown>,
     mut turntable: Single<&mut Transform, (With<Turntable>, Without<Plinth>)>,
     plinth: Single<(&mut Transform, &mut Visibility), With<Plinth>>,
 ) {
-    if shown.turning {
-        shown.turn = (shown.turn + 20.0 * time.delta_secs()) % 360.0;
+    if shown.object.turning {
+        let turn = shown.object.turn + 20.0 * time.delta_secs();
+        shown.object.turn = degrees(turn);
     }
-    let offset = Vec3::from(config.0.base_offset);
+    let object = &shown.object;
+    let rotation = object.rotation();
     // Written only where it is another: what moves isn't refined.
-    turntable.set_if_neq(
-        Transform::from_translation(offset)
-            .with_rotation(Quat::from_rotation_y(shown.turn.to_radians())),
-    );
+    turntable.set_if_neq(Transform {
+        translation: stage.middle + object.shift,
+        rotation,
+        scale: Vec3::splat(object.scale),
+    });
     let (mut transform, mut visibility) = plinth.into_inner();
-    let scale = config.0.base_scale;
+    let [radius, thickness] = PLINTH;
+    let wide = if stage.life_size { form.reach * 1.1 / radius } else { stage.scale };
     // A little lower than the lowest point, so that cloth that lies flat is not in the same plane.
-    let below = stand.0 + (0.5 * PLINTH[1] + 0.006) * scale;
-    transform.set_if_neq(
-        Transform::from_translation(offset - Vec3::Y * below).with_scale(Vec3::splat(scale)),
-    );
-    let wanted = if shown.floor { Visibility::Inherited } else { Visibility::Hidden };
+    let lowest = form.lowest(object.tilt) * form.scale * object.scale;
+    let top = stage.middle.y + lowest - 0.006 * stage.scale;
+    let tall = stage.floor.map_or(thickness * stage.scale, |floor| (top - floor).max(0.01));
+    transform.set_if_neq(Transform {
+        translation: Vec3::new(stage.middle.x, top - 0.5 * tall, stage.middle.z),
+        rotation: Quat::IDENTITY,
+        scale: Vec3::new(wide, tall / thickness, wide),
+    });
+    let wanted = if object.plinth { Visibility::Inherited } else { Visibility::Hidden };
     visibility.set_if_neq(wanted);
 }

@@ -1,4 +1,4 @@
-//! What is shown now, what is wrong, and what changed on disk.
+//! The configuration in force, what is wrong, and what changed on disk.
 
 use std::{
     path::{Path, PathBuf},
@@ -8,10 +8,7 @@ use std::{
 use bevy::prelude::*;
 use farlight::core::parse_ron;
 
-use super::{
-    args::Args,
-    config::{Rig, Viewer},
-};
+use super::{actions::Said, args::Args, config::Viewer, shown::Shown};
 
 /// The configuration, the command line already in it.
 #[derive(Resource, Clone, Debug)]
@@ -24,61 +21,6 @@ pub struct Source {
     pub file: PathBuf,
     /// What goes over it.
     pub args: Args,
-}
-
-/// What is shown.
-#[derive(Resource, Clone, Debug, PartialEq)]
-pub struct Shown {
-    /// Index of the object.
-    pub object: usize,
-    /// Index of the material; without materials nothing is there.
-    pub material: usize,
-    /// Lamps.
-    pub light: Rig,
-    /// Index of the environment.
-    pub environment: Option<usize>,
-    /// Whether it is seen behind the object.
-    pub backdrop: bool,
-    /// Whether its light is refined from frame to frame; else it is image-based light.
-    pub progressive: bool,
-    /// Whether the object stands on something.
-    pub floor: bool,
-    /// Exposure value at ISO 100.
-    pub exposure: f32,
-    /// Pixels drawn for a pixel of the window, along each edge.
-    pub resolution: f32,
-    /// Factor on the size of the material's picture.
-    pub pattern: f32,
-    /// Where the key light comes from: degrees round the vertical axis and above the horizon.
-    pub light_direction: Vec2,
-    /// Turn of the object in degrees.
-    pub turn: f32,
-    /// Whether it goes on turning.
-    pub turning: bool,
-}
-
-impl Shown {
-    /// What the configuration begins with.
-    pub fn start(config: &Viewer) -> Self {
-        let start = &config.start;
-        let object = config.models.iter().position(|m| m.name == start.object);
-        let material = config.materials.iter().position(|m| m.name == start.material);
-        Self {
-            object: object.unwrap_or(0),
-            material: material.unwrap_or(0),
-            light: start.light,
-            environment: config.environments.iter().position(|e| e.name == start.environment),
-            backdrop: start.backdrop,
-            progressive: config.progressive.on,
-            floor: start.floor,
-            exposure: config.exposure,
-            resolution: config.resolution.scale,
-            pattern: 1.0,
-            light_direction: config.light.direction.into(),
-            turn: 0.0,
-            turning: false,
-        }
-    }
 }
 
 /// What went wrong, shown until it is right; `None` is fine.
@@ -134,6 +76,7 @@ pub fn watch(
     mut config: ResMut<Config>,
     mut shown: ResMut<Shown>,
     mut problems: ResMut<Problems>,
+    mut said: Said,
     mut last: Local<Option<(f32, Option<SystemTime>)>>,
 ) {
     let now = time.elapsed_secs();
@@ -149,16 +92,15 @@ pub fn watch(
     }
     match read(&source) {
         Ok(new) => {
-            // What changed in the file is shown; what was chosen by keys and did not change stays.
+            // What changed in the file is shown; what was chosen since and did not change there stays.
             let (before, after) = (Shown::start(&config.0), Shown::start(&new));
             if before != after {
                 *shown = after;
             }
-            shown.object = shown.object.min(new.models.len() - 1);
-            shown.material = shown.material.min(new.materials.len().saturating_sub(1));
-            shown.environment = shown.environment.filter(|&e| e < new.environments.len());
+            shown.fit(&new);
             config.0 = new;
             problems.config = None;
+            said.say("Configuration read again");
         }
         Err(message) => {
             error!("{message}");

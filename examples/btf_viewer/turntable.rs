@@ -11,11 +11,12 @@ use super::{
     headless::{Headless, Picture},
     material::Materials,
     object::{Arriving, Unfitted},
-    state::{self, Problems, Shown},
+    shown::{Shown, degrees},
+    state::{self, Problems},
 };
 
 /// Files of any size that can be shown at all arrive in this time.
-const PATIENCE: Duration = Duration::from_secs(600);
+pub const PATIENCE: Duration = Duration::from_secs(600);
 /// Pictures in a row of the contact sheet.
 const COLUMNS: usize = 4;
 
@@ -31,26 +32,7 @@ pub fn run(
         build(app, config);
     })?;
     println!("drawn by {}", headless.adapter());
-    // The first frames ask for the files.
-    for _ in 0..3 {
-        headless.update()?;
-    }
-    headless.update_until("object, material and environment", PATIENCE, |world| {
-        let busy = world.resource::<Materials>().busy() || environment::is_busy(world);
-        let mut arriving = world.query_filtered::<(), Or<(With<Arriving>, With<Unfitted>)>>();
-        !busy && arriving.iter(world).next().is_none()
-    })?;
-    for _ in 0..2 {
-        headless.update()?;
-    }
-    headless.update_until("the material on the GPU", PATIENCE, |world| {
-        world.resource::<BtfStatus>().waiting == 0
-    })?;
-    let problems: Vec<String> =
-        headless.app.world().resource::<Problems>().all().map(Into::into).collect();
-    if !problems.is_empty() {
-        return Err(problems.join("\n"));
-    }
+    arrive(&mut headless)?;
     // A camera that refines its picture says itself when it is done.
     let world = headless.app.world_mut();
     let refining = world.query_filtered::<Entity, With<ProgressiveCamera>>().single(world).ok();
@@ -60,7 +42,7 @@ pub fn run(
     let mut pictures = Vec::new();
     for frame in 0..frames {
         let turn = 360.0 * frame as f32 / frames as f32;
-        headless.app.world_mut().resource_mut::<Shown>().turn = turn;
+        headless.app.world_mut().resource_mut::<Shown>().object.turn = degrees(turn);
         headless.update()?;
         let picture = match refining {
             Some(camera) => {
@@ -80,6 +62,28 @@ pub fn run(
     contact_sheet(&pictures).save(&sheet)?;
     println!("wrote {} pictures and {}", pictures.len(), sheet.display());
     Ok(())
+}
+
+/// Runs frames until everything that is shown has been read.
+pub fn arrive(headless: &mut Headless) -> Result<(), String> {
+    // The first frames ask for the files.
+    for _ in 0..3 {
+        headless.update()?;
+    }
+    headless.update_until("object, material and environment", PATIENCE, |world| {
+        let busy = world.resource::<Materials>().busy() || environment::is_busy(world);
+        let mut arriving = world.query_filtered::<(), Or<(With<Arriving>, With<Unfitted>)>>();
+        !busy && arriving.iter(world).next().is_none()
+    })?;
+    for _ in 0..2 {
+        headless.update()?;
+    }
+    headless.update_until("the material on the GPU", PATIENCE, |world| {
+        world.resource::<BtfStatus>().waiting == 0
+    })?;
+    let problems: Vec<String> =
+        headless.app.world().resource::<Problems>().all().map(Into::into).collect();
+    if problems.is_empty() { Ok(()) } else { Err(problems.join("\n")) }
 }
 
 /// All pictures in rows, made smaller by whole factors until the sheet is at most 2048 wide.
