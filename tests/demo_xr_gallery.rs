@@ -221,8 +221,10 @@ fn a_tour_without_window_and_headset() {
         assert!(picture(name).mean() > 15.0, "{name} is dark");
     }
     // The lantern's light follows it.
-    let lit = difference(&picture("window_room"), &picture("lamp_by_the_window"));
+    let lit = difference(&picture("window_room"), &picture("lantern_by_the_window"));
     assert!(lit > 3.0, "{lit}");
+    let [far, off] = numbers(&report, "lantern:")[..] else { panic!("{report}") };
+    assert!(far > 10.0 && off < 0.01, "{report}");
 
     // Who lets go stands on the marker.
     let [far, off] = numbers(&report, "teleport:")[..] else { panic!("{report}") };
