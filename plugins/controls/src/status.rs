@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use bevy::prelude::*;
-use farlight_bindings::Conflict;
+use farlight_bindings::{ActionInfo, Conflict};
 
 use crate::GamepadReader;
 
@@ -14,6 +14,8 @@ pub struct ControlsStatus {
     pub problems: Vec<String>,
     /// Inputs that do two things at once.
     pub conflicts: Vec<Conflict>,
+    /// Actions that the game has added to the suite's.
+    pub added: Vec<ActionInfo>,
     /// Who reads gamepads.
     pub gamepads: GamepadReader,
     /// Where the user's own changes are kept.

@@ -5,7 +5,7 @@ use bevy_egui::egui::{
     self, Align2, Area, Color32, Frame, Id, Margin, Order, RichText, Stroke, vec2,
 };
 use farlight_controls::{
-    ActiveDevice, ControlsInForce,
+    ActiveDevice, ControlsInForce, ControlsStatus,
     bindings::{HelpLine, first_hint, help},
 };
 
@@ -21,7 +21,8 @@ pub(crate) fn overlay(ctx: &egui::Context, world: &World, opacity: f32, scroll: 
     else {
         return;
     };
-    let lines = help(&in_force.bindings, device.device, &[]);
+    let added = world.get_resource::<ControlsStatus>().map_or(&[][..], |status| &status.added);
+    let lines = help(&in_force.bindings, device.device, added);
     let screen = ctx.content_rect();
     let area = Area::new(Id::new("farlight help"))
         .order(Order::Foreground)
