@@ -27,6 +27,7 @@ mod looks;
 mod moving;
 mod plan;
 mod rooms;
+mod screenshot;
 mod settings;
 mod sky;
 mod teleport;
@@ -154,6 +155,7 @@ fn show(args: &Args, light: BackendFactory) -> Result<(), String> {
     let headset = FarlightXr::default().app_name("Farlight gallery").switched_by(std::env::args());
     app.add_plugins(headset.wrap(plugins));
     build(&mut app, args, light);
+    app.add_plugins(screenshot::plugin);
     match app.run() {
         AppExit::Success => Ok(()),
         AppExit::Error(code) => Err(format!("the app exited with code {code}")),

@@ -276,11 +276,15 @@ mod tests {
     #[test]
     fn a_press_that_began_elsewhere_does_not_count() {
         let mut pointed = Pointed::default();
-        assert_eq!(presses(&mut pointed, true, false), []);
-        assert_eq!(presses(&mut pointed, true, true), [], "it comes over the panel, pressed");
-        assert_eq!(presses(&mut pointed, false, true), []);
+        assert_eq!(presses(&mut pointed, true, false), [false; 0]);
+        assert_eq!(
+            presses(&mut pointed, true, true),
+            [false; 0],
+            "it comes over the panel, pressed"
+        );
+        assert_eq!(presses(&mut pointed, false, true), [false; 0]);
         assert_eq!(presses(&mut pointed, true, true), [true]);
-        assert_eq!(presses(&mut pointed, true, false), [], "it stays the panel's");
+        assert_eq!(presses(&mut pointed, true, false), [false; 0], "it stays the panel's");
         assert_eq!(presses(&mut pointed, false, false), [false]);
     }
 
