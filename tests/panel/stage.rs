@@ -13,7 +13,7 @@ use bevy::{
 };
 use farlight::{
     panel::{
-        PanelSettings,
+        PanelCamera, PanelSettings,
         bevy_egui::{EguiContext, input::EguiInputEvent},
         egui,
         field::{Hidden, Logarithmic, Turn, Unit},
@@ -121,7 +121,7 @@ impl Stage {
         let camera = headless
             .app
             .world_mut()
-            .spawn((Camera3d::default(), target, Msaa::Off, Exposure { ev100: 9.7 }))
+            .spawn((Camera3d::default(), PanelCamera, target, Msaa::Off, Exposure { ev100: 9.7 }))
             .id();
         let mut stage = Self { headless, camera };
         stage.frames(3);

@@ -64,19 +64,19 @@ pub(crate) fn choose(
         (Without<Canvas>, Without<PanelEye>, Or<(With<Camera3d>, With<Camera2d>)>),
     >,
 ) {
-    let rank = |target: &RenderTarget| match target {
-        RenderTarget::Window(_) => 1,
-        _ => 0,
-    };
     let best = cameras
         .iter()
-        .filter(|(_, camera, target, _)| {
-            camera.is_active
-                && !matches!(target, RenderTarget::TextureView(_) | RenderTarget::None { .. })
+        .filter(|(_, camera, target, chosen)| {
+            let fits = match target {
+                RenderTarget::Window(_) => true,
+                RenderTarget::Image(_) => *chosen,
+                RenderTarget::TextureView(_) | RenderTarget::None { .. } => false,
+            };
+            camera.is_active && fits
         })
-        .max_by_key(|(entity, camera, target, chosen)| {
+        .max_by_key(|(entity, camera, _, chosen)| {
             // Of equals the older one, so that the choice is stable.
-            (*chosen, rank(target), camera.order, std::cmp::Reverse(*entity))
+            (*chosen, camera.order, std::cmp::Reverse(*entity))
         })
         .map(|(entity, ..)| entity);
     if best == screen.camera {

@@ -28,7 +28,7 @@ pub struct PanelState {
 }
 
 /// The camera on whose picture panels are drawn. Without one it is the camera that draws into a
-/// window last (or into an image, if there is no window).
+/// window last. Pictures that go elsewhere have panels only where this asks for them.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, Clone)]
 pub struct PanelCamera;
