@@ -20,7 +20,13 @@ impl Plugin for SuiteSections {
         app.init_resource::<Link>().add_systems(Last, sample_link);
         #[cfg(feature = "xr")]
         app.add_observer(follow_head).add_observer(show_in_eyes);
-        app.add_systems(Update, (tell_devices, save_rebound.run_if(resource_exists::<Rebinding>)));
+        app.add_systems(
+            Update,
+            (
+                tell_devices.run_if(resource_exists::<farlight_controls::ActiveDevice>),
+                save_rebound.run_if(resource_exists::<Rebinding>),
+            ),
+        );
     }
 
     fn finish(&self, app: &mut App) {

@@ -110,6 +110,9 @@ pub(crate) fn show(world: &mut World) {
     let Some(mut input) = world.get_mut::<EguiInput>(camera).map(|mut input| input.take()) else {
         return;
     };
+    if let Some(mut full) = world.get_mut::<EguiFullOutput>(camera) {
+        **full = Some(egui::FullOutput { pixels_per_point: 1.0, ..default() });
+    }
     let settings = world.resource::<PanelSettings>().clone();
     let state = world.resource::<PanelState>().clone();
     let here = !is_world(world);
@@ -125,8 +128,8 @@ pub(crate) fn show(world: &mut World) {
     }
     let visible = here && (state.menu || state.help || lines || hint > 0.0);
     if !visible {
-        // What was drawn last is taken when it is drawn, so that there is nothing from now on. (To remove
-        // it would leave the renderer of bevy_egui 0.42 with a view that is gone: it panics.)
+        // Nothing, said so: bevy_egui 0.42 complains where a context has no output, and its renderer
+        // panics where the component is gone.
         world.resource_mut::<Screen>().shown = false;
         return;
     }
