@@ -1,6 +1,6 @@
 //! The plugin.
 
-use bevy::prelude::*;
+use bevy::{prelude::*, render::RenderApp, shader::Shader};
 use bevy_egui::{EguiGlobalSettings, EguiInput, EguiPlugin, EguiPreUpdateSet, egui};
 use farlight_controls::{ControlsSystems, InputCapture};
 
@@ -41,11 +41,6 @@ pub enum PanelSystems {
 
 impl Plugin for PanelPlugin {
     fn build(&self, app: &mut App) {
-        if !app.is_plugin_added::<EguiPlugin>() {
-            app.add_plugins(EguiPlugin::default());
-            let mut settings = app.world_mut().resource_mut::<EguiGlobalSettings>();
-            settings.auto_create_primary_context = false;
-        }
         app.register_type::<PanelSettings>()
             .register_type::<PanelPlace>()
             .register_type::<PanelCamera>()
@@ -58,36 +53,47 @@ impl Plugin for PanelPlugin {
             .init_resource::<Steering>()
             .init_resource::<Lines>()
             .init_resource::<Hint>()
-            .add_message::<Notification>()
-            .configure_sets(
-                PreUpdate,
+            .add_message::<Notification>();
+        let draws = app.get_sub_app(RenderApp).is_some()
+            && app.world().contains_resource::<Assets<Shader>>();
+        if !draws {
+            debug!("panels are not shown: the app draws nothing");
+            return;
+        }
+        if !app.is_plugin_added::<EguiPlugin>() {
+            app.add_plugins(EguiPlugin::default());
+            let mut settings = app.world_mut().resource_mut::<EguiGlobalSettings>();
+            settings.auto_create_primary_context = false;
+        }
+        app.configure_sets(
+            PreUpdate,
+            (
+                PanelSystems::Point
+                    .after(EguiPreUpdateSet::ProcessInput)
+                    .before(ControlsSystems::Sample),
+                PanelSystems::Show
+                    .after(ControlsSystems::Announce)
+                    .after(EguiPreUpdateSet::BeginPass),
+            ),
+        )
+        .add_systems(
+            PreUpdate,
+            (
+                screen::choose.before(EguiPreUpdateSet::InitContexts),
+                capture.in_set(PanelSystems::Point).after(world::point),
                 (
-                    PanelSystems::Point
-                        .after(EguiPreUpdateSet::ProcessInput)
-                        .before(ControlsSystems::Sample),
-                    PanelSystems::Show
-                        .after(ControlsSystems::Announce)
-                        .after(EguiPreUpdateSet::BeginPass),
-                ),
-            )
-            .add_systems(
-                PreUpdate,
-                (
-                    screen::choose.before(EguiPreUpdateSet::InitContexts),
-                    capture.in_set(PanelSystems::Point).after(world::point),
-                    (
-                        pass_time,
-                        steer::open_and_close,
-                        steer::steer,
-                        back,
-                        notify::collect,
-                        screen::show,
-                        world::show,
-                    )
-                        .chain()
-                        .in_set(PanelSystems::Show),
-                ),
-            );
+                    pass_time,
+                    steer::open_and_close,
+                    steer::steer,
+                    back,
+                    notify::collect,
+                    screen::show,
+                    world::show,
+                )
+                    .chain()
+                    .in_set(PanelSystems::Show),
+            ),
+        );
         screen::build(app);
         world::build(app);
     }
