@@ -28,6 +28,8 @@ pub(crate) struct Screen {
     ctx: Option<egui::Context>,
     /// Whether the last frame showed anything.
     shown: bool,
+    /// Whether the context has had a pass.
+    ran: bool,
 }
 
 impl Screen {
@@ -90,6 +92,7 @@ pub(crate) fn choose(
     screen.camera = best;
     screen.ctx = None;
     screen.shown = false;
+    screen.ran = false;
     if let Some(camera) = best {
         let mut context = EguiContext::default();
         style::apply(context.get_mut());
@@ -110,9 +113,6 @@ pub(crate) fn show(world: &mut World) {
     let Some(mut input) = world.get_mut::<EguiInput>(camera).map(|mut input| input.take()) else {
         return;
     };
-    if let Some(mut full) = world.get_mut::<EguiFullOutput>(camera) {
-        **full = Some(egui::FullOutput { pixels_per_point: 1.0, ..default() });
-    }
     let settings = world.resource::<PanelSettings>().clone();
     let state = world.resource::<PanelState>().clone();
     let here = !is_world(world);
@@ -128,15 +128,14 @@ pub(crate) fn show(world: &mut World) {
     }
     let visible = here && (state.menu || state.help || lines || hint > 0.0);
     if !visible {
-        // Nothing, said so: bevy_egui 0.42 complains where a context has no output, and its renderer
-        // panics where the component is gone.
+        say_nothing(world, camera, &ctx);
         world.resource_mut::<Screen>().shown = false;
         return;
     }
     let Some((rect, native)) = world.get::<Camera>(camera).and_then(|camera| {
         Some((camera.physical_viewport_rect()?, camera.target_scaling_factor().unwrap_or(1.0)))
     }) else {
-        return;
+        return say_nothing(world, camera, &ctx);
     };
     ctx.set_zoom_factor(settings.scale.clamp(0.5, 4.0));
     let scale = native * settings.scale.clamp(0.5, 4.0);
@@ -162,10 +161,26 @@ pub(crate) fn show(world: &mut World) {
             ui.ctx().request_repaint();
         }
     });
+    world.resource_mut::<Screen>().ran = true;
     if !world.resource::<Screen>().shown {
         world.resource_mut::<Screen>().shown = true;
         world.entity_mut(camera).insert(EguiRenderOutput::default());
     }
+    if let Some(mut full) = world.get_mut::<EguiFullOutput>(camera) {
+        **full = Some(output);
+    }
+}
+
+/// An output with nothing in it: bevy_egui 0.42 complains where a context has none, and its renderer
+/// panics where the component is gone.
+fn say_nothing(world: &mut World, camera: Entity, ctx: &egui::Context) {
+    let mut screen = world.resource_mut::<Screen>();
+    let output = if std::mem::replace(&mut screen.ran, true) {
+        egui::FullOutput { pixels_per_point: 1.0, ..default() }
+    } else {
+        // Before its first pass egui has no fonts, and makes no triangles without.
+        ctx.run_ui(egui::RawInput::default(), |_| {})
+    };
     if let Some(mut full) = world.get_mut::<EguiFullOutput>(camera) {
         **full = Some(output);
     }
