@@ -15,6 +15,8 @@ pub(crate) struct SuiteSections;
 
 impl Plugin for SuiteSections {
     fn build(&self, app: &mut App) {
+        // The panel may have been left out.
+        app.add_message::<Notification>();
         app.init_resource::<Frames>().add_systems(Last, measure);
         #[cfg(feature = "gi")]
         app.init_resource::<Link>().add_systems(Last, sample_link);

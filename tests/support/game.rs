@@ -22,7 +22,9 @@ impl Game {
     /// A game whose indirect light comes from a plugin's backend.
     pub(crate) fn new(gi: GiPlugin) -> Self {
         Self::with(|app| {
-            app.add_plugins(FarlightPlugins.set(gi))
+            // Light alone: what inputs and panels cost is another matter.
+            let plugins = FarlightPlugins.set(gi);
+            app.add_plugins(plugins.disable::<ControlsPlugin>().disable::<PanelPlugin>())
                 .insert_resource(farlight::ibl::EnvironmentCache(None));
         })
     }
