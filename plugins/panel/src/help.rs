@@ -39,9 +39,10 @@ pub(crate) fn overlay(ctx: &egui::Context, world: &World, opacity: f32, scroll: 
             });
             ui.add_space(8.0);
             egui::ScrollArea::vertical().max_height(room.y).show(ui, |ui| {
-                let count = if room.x > 900.0 {
+                // What fits: a column is about 400 wide.
+                let count = if room.x > 1220.0 {
                     3
-                } else if room.x > 560.0 {
+                } else if room.x > 820.0 {
                     2
                 } else {
                     1
