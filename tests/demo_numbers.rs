@@ -6,6 +6,8 @@
 mod args;
 #[path = "../examples/common/room/motion.rs"]
 mod motion;
+#[path = "../examples/common/program.rs"]
+mod program;
 #[path = "../examples/common/room/measured/stats.rs"]
 mod stats;
 

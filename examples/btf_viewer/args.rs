@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::config::{Environment, HeadsetMode, Material, Model, Rig, Shape, Viewer};
+use super::program::size;
 
 /// What `--help` prints.
 pub const HELP: &str = "\
@@ -97,7 +98,7 @@ impl Args {
                 "--xr" => args.xr = Some(headset(&value()?)?),
                 "--exposure" => args.exposure = Some(number(&name, &value()?)?),
                 "--camera" => args.camera = Some(place(&value()?)?),
-                "--size" => args.size = Some(size(&value()?)?),
+                "--size" => args.size = Some(size(&value()?, 16..=8192)?),
                 "--replay" => args.replay = Some(value()?.into()),
                 "--ui" => args.ui = true,
                 "--headless" => headless = true,
@@ -208,11 +209,4 @@ fn place(text: &str) -> Result<(f32, f32, f32), String> {
         [x, y, z] if [x, y, z].iter().all(|v| v.is_finite()) => Ok((x, y, z)),
         _ => Err(wrong()),
     }
-}
-
-fn size(text: &str) -> Result<(u32, u32), String> {
-    let side = |text: &str| text.parse().ok().filter(|side| (16..=8192).contains(side));
-    text.split_once('x')
-        .and_then(|(width, height)| Some((side(width)?, side(height)?)))
-        .ok_or(format!("--size {text}: not WxH with 16 to 8192 a side"))
 }

@@ -23,6 +23,10 @@ mod lamps;
 mod material;
 mod object;
 mod pictures;
+#[path = "../common/program.rs"]
+mod program;
+#[path = "../common/recording.rs"]
+mod recording;
 mod replay;
 #[path = "../common/ring.rs"]
 mod ring;
@@ -53,24 +57,8 @@ use stage::Stage;
 use state::{Config, Problems, Source};
 
 fn main() -> ExitCode {
-    let args = match Args::parse(std::env::args().skip(1)) {
-        Ok(args) => args,
-        Err(message) => {
-            eprintln!("btf_viewer: {message}");
-            return ExitCode::from(2);
-        }
-    };
-    if args.help {
-        print!("{}", args::HELP);
-        return ExitCode::SUCCESS;
-    }
-    match run(args) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(message) => {
-            eprintln!("btf_viewer: {message}");
-            ExitCode::FAILURE
-        }
-    }
+    let args = Args::parse(std::env::args().skip(1));
+    program::run("btf_viewer", args, |args| args.help, args::HELP, run)
 }
 
 fn run(args: Args) -> Result<(), String> {

@@ -42,14 +42,8 @@ pub fn run(
     size: UVec2,
     build: impl FnOnce(&mut App, Viewer),
 ) -> Result<(), String> {
-    let mut headless = Headless::new(size, &state::assets(), |app| {
-        build(app, config);
-        app.insert_resource(WithoutWindow(size));
-    })?;
-    headless.set_frame_time(Duration::from_millis(16));
+    let mut headless = start(config, size, build)?;
     println!("drawn by {}", headless.adapter());
-    arrive(&mut headless)?;
-    refine(&mut headless)?;
     save(&headless.capture()?, out, "first")?;
     let open = |headless: &mut Headless, menu: bool, help: bool| -> Result<(), String> {
         let mut state = headless.app.world_mut().resource_mut::<PanelState>();
@@ -77,6 +71,22 @@ pub fn run(
     }
     println!("wrote first, help, menu, left and right into {}", out.display());
     Ok(())
+}
+
+/// Starts the program without a window, and waits until its picture is refined.
+pub fn start(
+    config: Viewer,
+    size: UVec2,
+    build: impl FnOnce(&mut App, Viewer),
+) -> Result<Headless, String> {
+    let mut headless = Headless::new(size, &state::assets(), |app| {
+        build(app, config);
+        app.insert_resource(WithoutWindow(size));
+    })?;
+    headless.set_frame_time(Duration::from_millis(16));
+    arrive(&mut headless)?;
+    refine(&mut headless)?;
+    Ok(headless)
 }
 
 /// Writes a picture, if it shows anything.

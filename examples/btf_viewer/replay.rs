@@ -12,29 +12,18 @@ use farlight::{
 };
 
 use super::{
-    camera::WithoutWindow,
     config::Viewer,
-    headless::Headless,
-    pictures::{refine, save},
+    pictures::{refine, save, start},
+    recording,
     shown::Shown,
-    state,
     turntable::arrive,
 };
 
-/// Largest recording that is read, in bytes.
-const LARGEST: u64 = 64 << 20;
-
-/// Reads a recording.
+/// Reads a recording of the suite's actions.
 pub fn read(path: &Path) -> Result<Recording, String> {
-    let fail = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-    let size = std::fs::metadata(path).map_err(|error| fail(&error))?.len();
-    if size > LARGEST {
-        return Err(fail(&"too large for a recording"));
-    }
-    let text = std::fs::read_to_string(path).map_err(|error| fail(&error))?;
-    let recording: Recording = text.parse().map_err(|error| fail(&error))?;
+    let recording = recording::read(path)?;
     match recording.actions().iter().find(|name| action(name).is_none()) {
-        Some(name) => Err(fail(&format!("there is no action {name}"))),
+        Some(name) => Err(format!("{}: there is no action {name}", path.display())),
         None => Ok(recording),
     }
 }
@@ -55,13 +44,10 @@ pub fn run(
     size: UVec2,
     build: impl FnOnce(&mut App, Viewer),
 ) -> Result<(), String> {
-    let mut headless = Headless::new(size, &state::assets(), |app| {
+    let mut headless = start(config, size, |app, config| {
         build(app, config);
-        app.insert_resource(WithoutWindow(size)).add_systems(Last, tell);
+        app.add_systems(Last, tell);
     })?;
-    headless.set_frame_time(Duration::from_millis(16));
-    arrive(&mut headless)?;
-    refine(&mut headless)?;
     save(&headless.capture()?, out, "before")?;
     let world = headless.app.world_mut();
     world.resource_mut::<ActionReplay>().play(recording, ReplayPace::Frames);

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::program::size;
+
 /// What `--help` prints.
 pub const HELP: &str = "\
 Every action live, for the device in hand.
@@ -69,7 +71,7 @@ impl Args {
                 "--config" => args.config = Some(value()?.into()),
                 "--record" => args.record = Some(value()?.into()),
                 "--replay" => args.replay = Some(value()?.into()),
-                "--size" => args.size = size(&value()?)?,
+                "--size" => args.size = size(&value()?, 320..=4096)?,
                 "--headless" => headless = true,
                 "--out" => args.out = Some(value()?.into()),
                 other => return Err(format!("{other} is not understood; --help lists all")),
@@ -91,14 +93,4 @@ impl Args {
         }
         Err(format!("{}: its name must end with .controls.ron", path.display()))
     }
-}
-
-fn size(text: &str) -> Result<(u32, u32), String> {
-    let wrong = || format!("--size: {text:?} is not WxH, 320 to 4096 a side");
-    let (width, height) = text.split_once('x').ok_or_else(wrong)?;
-    let side = |text: &str| match text.parse() {
-        Ok(side @ 320..=4096) => Ok(side),
-        _ => Err(wrong()),
-    };
-    Ok((side(width)?, side(height)?))
 }

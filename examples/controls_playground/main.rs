@@ -13,6 +13,10 @@ mod args;
 mod headless;
 mod list;
 mod pictures;
+#[path = "../common/program.rs"]
+mod program;
+#[path = "../common/recording.rs"]
+mod recording;
 mod scene;
 mod script;
 
@@ -30,28 +34,17 @@ use farlight::controls::{
 use farlight_bindings::Recording;
 
 fn main() -> ExitCode {
-    let args = match Args::parse(std::env::args().skip(1)) {
-        Ok(args) => args,
-        Err(message) => {
-            eprintln!("controls_playground: {message}");
-            return ExitCode::from(2);
-        }
-    };
-    if args.help {
-        print!("{}", args::HELP);
-        return ExitCode::SUCCESS;
-    }
-    let done = match &args.out {
-        Some(out) => pictures::run(&args, out),
-        None => window(&args),
-    };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(message) => {
-            eprintln!("controls_playground: {message}");
-            ExitCode::FAILURE
-        }
-    }
+    let args = Args::parse(std::env::args().skip(1));
+    program::run(
+        "controls_playground",
+        args,
+        |args| args.help,
+        args::HELP,
+        |args| match &args.out {
+            Some(out) => pictures::run(&args, out),
+            None => window(&args),
+        },
+    )
 }
 
 /// The folder of all asset files.
@@ -76,12 +69,6 @@ fn reset(controls: Controls, mut shown: ResMut<scene::Shown>) {
     }
 }
 
-/// Reads a recording.
-fn recording(path: &Path) -> Result<Recording, String> {
-    let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
-    text.parse().map_err(|error| format!("{}: {error}", path.display()))
-}
-
 /// Writes a recording.
 fn save(path: &Path, recording: &Recording) -> Result<(), String> {
     std::fs::write(path, recording.to_string()).map_err(|e| format!("{}: {e}", path.display()))
@@ -92,7 +79,7 @@ fn save(path: &Path, recording: &Recording) -> Result<(), String> {
 struct RecordTo(PathBuf);
 
 fn window(args: &Args) -> Result<(), String> {
-    let replay = args.replay.as_deref().map(recording).transpose()?;
+    let replay = args.replay.as_deref().map(recording::read).transpose()?;
     let mut app = App::new();
     let (width, height) = args.size;
     app.add_plugins(

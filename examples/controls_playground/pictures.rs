@@ -69,7 +69,7 @@ fn picture(app: &mut Headless, out: &Path, name: &str) -> Result<(), String> {
 }
 
 fn replay(args: &Args, path: &Path, out: &Path) -> Result<(), String> {
-    let recording = recording(path)?;
+    let recording = recording::read(path)?;
     let mut app = open(args)?;
     let frames = recording.end().0;
     app.app.world_mut().resource_mut::<ActionReplay>().play(recording, ReplayPace::Frames);

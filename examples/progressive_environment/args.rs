@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::program::{number, size};
+
 use super::shown::{self, Shown};
 
 /// What `--help` prints.
@@ -74,7 +76,7 @@ impl Args {
                     args.shown.method = value()?.parse().map_err(|e| format!("--method: {e}"))?;
                 }
                 "--no-shadows" => args.shown.shadows = false,
-                "--size" => args.size = Some(size(&value()?)?),
+                "--size" => args.size = Some(size(&value()?, 16..=4096)?),
                 "--headless" => headless = true,
                 "--out" => args.out = Some(PathBuf::from(value()?)),
                 "--turntable" => args.turntable = Some(number(&name, &value()?, 1, 1000)?),
@@ -91,18 +93,4 @@ impl Args {
             _ => Ok(args),
         }
     }
-}
-
-fn number(name: &str, text: &str, min: u32, max: u32) -> Result<u32, String> {
-    match text.parse() {
-        Ok(value) if (min..=max).contains(&value) => Ok(value),
-        _ => Err(format!("{name} {text}: not a whole number from {min} to {max}")),
-    }
-}
-
-fn size(text: &str) -> Result<(u32, u32), String> {
-    let side = |text: &str| text.parse().ok().filter(|side| (16..=4096).contains(side));
-    text.split_once('x')
-        .and_then(|(width, height)| Some((side(width)?, side(height)?)))
-        .ok_or(format!("--size {text}: not WxH with 16 to 4096 a side"))
 }

@@ -19,6 +19,8 @@ mod orbit;
 #[path = "../common/panel.rs"]
 mod panel;
 mod pictures;
+#[path = "../common/program.rs"]
+mod program;
 #[path = "../common/ring.rs"]
 mod ring;
 mod scene;
@@ -36,28 +38,17 @@ use farlight::{btf::BtfPlugin, core::FarlightCorePlugin, ibl::IblPlugin};
 use shown::Shown;
 
 fn main() -> ExitCode {
-    let args = match Args::parse(std::env::args().skip(1)) {
-        Ok(args) => args,
-        Err(message) => {
-            eprintln!("progressive_environment: {message}");
-            return ExitCode::from(2);
-        }
-    };
-    if args.help {
-        print!("{}", args::HELP);
-        return ExitCode::SUCCESS;
-    }
-    let done = match &args.out {
-        Some(out) => pictures::run(&args, out),
-        None => window(&args),
-    };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(message) => {
-            eprintln!("progressive_environment: {message}");
-            ExitCode::FAILURE
-        }
-    }
+    let args = Args::parse(std::env::args().skip(1));
+    program::run(
+        "progressive_environment",
+        args,
+        |args| args.help,
+        args::HELP,
+        |args| match &args.out {
+            Some(out) => pictures::run(&args, out),
+            None => window(&args),
+        },
+    )
 }
 
 /// The folder of all asset files.

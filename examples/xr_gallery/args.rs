@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::program::{number, size};
+
 /// What `--help` prints.
 pub const HELP: &str = "\
 A gallery of three rooms to walk about in, on the desktop or with a headset: one program for both.
@@ -95,11 +97,11 @@ impl Args {
                 }
                 "--server" => args.server = Some(Server::Invitation(value()?)),
                 "--server-file" => args.server = Some(Server::File(value()?.into())),
-                "--texels" => args.texels = number(&name, &value()?, 1, 64)? as u32,
-                "--paths" => args.paths = Some(number(&name, &value()?, 64, 65_536)? as u32),
+                "--texels" => args.texels = number(&name, &value()?, 1, 64)?,
+                "--paths" => args.paths = Some(number(&name, &value()?, 64, 65_536)?),
                 "--seed" => args.seed = number(&name, &value()?, 0, u64::MAX)?,
-                "--size" => args.size = Some(size(&value()?)?),
-                "--frames" => args.frames = number(&name, &value()?, 0, 360)? as u32,
+                "--size" => args.size = Some(size(&value()?, 16..=8192)?),
+                "--frames" => args.frames = number(&name, &value()?, 0, 360)?,
                 "--headless" => headless = true,
                 "--out" => out = Some(PathBuf::from(value()?)),
                 other => return Err(format!("{other}: unknown; --help lists what there is")),
@@ -112,18 +114,4 @@ impl Args {
         };
         Ok(args)
     }
-}
-
-fn number(name: &str, text: &str, min: u64, max: u64) -> Result<u64, String> {
-    match text.parse() {
-        Ok(value) if (min..=max).contains(&value) => Ok(value),
-        _ => Err(format!("{name} {text}: not a whole number from {min} to {max}")),
-    }
-}
-
-fn size(text: &str) -> Result<(u32, u32), String> {
-    let side = |text: &str| text.parse().ok().filter(|side| (16..=8192).contains(side));
-    text.split_once('x')
-        .and_then(|(width, height)| Some((side(width)?, side(height)?)))
-        .ok_or(format!("--size {text}: not WxH with 16 to 8192 a side"))
 }

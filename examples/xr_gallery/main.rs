@@ -26,6 +26,8 @@ mod lamp;
 mod looks;
 mod moving;
 mod plan;
+#[path = "../common/program.rs"]
+mod program;
 mod rooms;
 mod screenshot;
 mod settings;
@@ -50,27 +52,15 @@ use farlight::{
 };
 
 fn main() -> ExitCode {
-    let args = match Args::parse(std::env::args().skip(1)) {
-        Ok(args) if args.help => {
-            print!("{HELP}");
-            return ExitCode::SUCCESS;
-        }
-        Ok(args) => args,
-        Err(message) => {
-            eprintln!("xr_gallery: {message}");
-            return ExitCode::from(2);
-        }
-    };
-    let result = light(&args).and_then(|light| match &args.tour {
+    let args = Args::parse(std::env::args().skip(1));
+    program::run("xr_gallery", args, |args| args.help, HELP, run)
+}
+
+fn run(args: Args) -> Result<(), String> {
+    let light = light(&args)?;
+    match &args.tour {
         Some(out) => tour::run(&args, light, out),
         None => show(&args, light),
-    });
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(message) => {
-            eprintln!("xr_gallery: {message}");
-            ExitCode::FAILURE
-        }
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::{path::PathBuf, time::Duration};
 
+use super::program::number;
+
 /// What `--help` prints, for the example `name`; `about` says in a few lines who solves the light.
 pub fn help(name: &str, about: &str, takes_server: bool) -> String {
     let (usage, options) = if takes_server { (" SERVER", SERVER_HELP) } else { ("", "") };
@@ -127,18 +129,18 @@ impl Args {
                 "-h" | "--help" => return Ok(Self { mode: Mode::Help, ..args }),
                 "--headless" => headless = true,
                 "--out" => out = Some(PathBuf::from(value()?)),
-                "--frames" => frames = Some(number(&name, &value()?, 1, 1_000_000)? as u32),
+                "--frames" => frames = Some(number(&name, &value()?, 1, 1_000_000)?),
                 "--size" => {
                     args.size = size(&value()?)?;
                     args.window = args.size;
                 }
                 "--lightmap" => {
-                    args.lightmap = number(&name, &value()?, 16, 4096)? as u32;
+                    args.lightmap = number(&name, &value()?, 16, 4096)?;
                     if !args.lightmap.is_power_of_two() {
                         return Err(format!("--lightmap {}: not a power of two", args.lightmap));
                     }
                 }
-                "--samples" => args.samples = number(&name, &value()?, 1, 65536)? as u32,
+                "--samples" => args.samples = number(&name, &value()?, 1, 65536)?,
                 "--seed" => args.seed = number(&name, &value()?, 0, u64::MAX)?,
                 "--server" | "--server-file" if takes_server && args.server.is_some() => {
                     return Err("name one server: --server or --server-file".into());
@@ -168,17 +170,10 @@ impl Args {
     }
 }
 
-fn number(name: &str, text: &str, min: u64, max: u64) -> Result<u64, String> {
-    match text.parse() {
-        Ok(value) if (min..=max).contains(&value) => Ok(value),
-        _ => Err(format!("{name} {text}: not a whole number from {min} to {max}")),
-    }
-}
-
 fn size(text: &str) -> Result<(u32, u32), String> {
     let Some((width, height)) = text.split_once('x') else {
         return Err(format!("--size {text}: write WIDTHxHEIGHT, for example 320x180"));
     };
-    let side = |t: &str| number("--size", t, 16, 4096).map(|v| v as u32);
+    let side = |t: &str| number("--size", t, 16, 4096);
     Ok((side(width)?, side(height)?))
 }

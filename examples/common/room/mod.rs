@@ -13,6 +13,8 @@ mod hud;
 mod measured;
 mod motion;
 mod orbit;
+#[path = "../program.rs"]
+mod program;
 mod scene;
 
 use std::{
@@ -46,32 +48,24 @@ pub struct Program {
 impl Program {
     /// Does what the command line says.
     pub fn run(&self) -> ExitCode {
-        let args = match Args::parse(std::env::args().skip(1), self.takes_server) {
-            Ok(args) => args,
-            Err(message) => {
-                eprintln!("{}: {message}", self.name);
-                return ExitCode::from(2);
-            }
-        };
-        let light = |args| (self.light)(args);
-        let result = match &args.mode {
-            Mode::Help => {
-                print!("{}", args::help(self.name, self.about, self.takes_server));
-                Ok(())
-            }
-            Mode::Window => light(&args).and_then(|light| window(&args, light, self.title)),
-            Mode::Headless { out, frames } => {
-                light(&args).and_then(|light| measured::run(&args, light, out, *frames))
-            }
-            Mode::Soak(time) => light(&args).and_then(|light| measured::soak(&args, light, *time)),
-        };
-        match result {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(message) => {
-                eprintln!("{}: {message}", self.name);
-                ExitCode::FAILURE
-            }
-        }
+        let args = Args::parse(std::env::args().skip(1), self.takes_server);
+        let help = args::help(self.name, self.about, self.takes_server);
+        program::run(
+            self.name,
+            args,
+            |args| args.mode == Mode::Help,
+            &help,
+            |args| {
+                let light = (self.light)(&args)?;
+                match &args.mode {
+                    // Its help is printed.
+                    Mode::Help => Ok(()),
+                    Mode::Window => window(&args, light, self.title),
+                    Mode::Headless { out, frames } => measured::run(&args, light, out, *frames),
+                    Mode::Soak(time) => measured::soak(&args, light, *time),
+                }
+            },
+        )
     }
 }
 
