@@ -43,11 +43,7 @@ fn checker(edge: u32) -> Btf {
 #[test]
 fn what_is_small_does_not_flicker() {
     let mut stage = Stage::new();
-    stage.float_camera(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 2.0);
-    stage.spawn((
-        DirectionalLight { illuminance: std::f32::consts::PI, ..default() },
-        Transform::from_xyz(0.0, 0.0, 1.0).looking_at(Vec3::ZERO, Vec3::Y),
-    ));
+    stage.light_in_front();
     let btf = stage.btf(checker(16));
     let material = stage.material(BtfMaterial {
         // Nearly seven texels a pixel.
@@ -71,11 +67,7 @@ fn what_is_small_does_not_flicker() {
 #[test]
 fn the_resolution_of_a_material_can_be_chosen() {
     let mut stage = Stage::new();
-    stage.float_camera(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 2.0);
-    stage.spawn((
-        DirectionalLight { illuminance: std::f32::consts::PI, ..default() },
-        Transform::from_xyz(0.0, 0.0, 1.0).looking_at(Vec3::ZERO, Vec3::Y),
-    ));
+    stage.light_in_front();
     let btf = stage.btf(checker(16));
     let square = stage.mesh(Rectangle::new(2.0, 2.0));
     let mut seen = |repeat: f32, coarseness: f32| {

@@ -27,14 +27,6 @@ fn colours(stage: &mut Stage, count: u32) -> Vec<Vec3> {
         .collect()
 }
 
-fn lit_stage(stage: &mut Stage) {
-    stage.float_camera(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 2.0);
-    stage.spawn((
-        DirectionalLight { illuminance: std::f32::consts::PI, ..default() },
-        Transform::from_xyz(0.0, 0.0, 1.0).looking_at(Vec3::ZERO, Vec3::Y),
-    ));
-}
-
 fn assert_colours(stage: &mut Stage, colours: &[Vec3]) {
     let pixels = stage.floats();
     for (i, colour) in colours.iter().enumerate() {
@@ -60,7 +52,7 @@ fn groups(stage: &mut Stage) -> usize {
 #[test]
 fn ten_materials_share_a_buffer_and_a_bind_group() {
     let mut stage = Stage::new();
-    lit_stage(&mut stage);
+    stage.light_in_front();
     let expected = colours(&mut stage, 10);
     stage.settle();
     assert_colours(&mut stage, &expected);
@@ -95,7 +87,7 @@ fn ten_materials_share_a_buffer_and_a_bind_group() {
 #[test]
 fn a_full_buffer_is_followed_by_another() {
     let mut stage = Stage::new();
-    lit_stage(&mut stage);
+    stage.light_in_front();
     // Each material takes about 0.8 MB.
     stage.world().resource_mut::<BtfSettings>().max_buffer_bytes = 2 << 20;
     let expected = colours(&mut stage, 6);
@@ -109,7 +101,7 @@ fn a_full_buffer_is_followed_by_another() {
 #[test]
 fn what_fits_into_no_buffer_is_refused_and_the_rest_goes_on() {
     let mut stage = Stage::new();
-    lit_stage(&mut stage);
+    stage.light_in_front();
     stage.world().resource_mut::<BtfSettings>().max_buffer_bytes = 1 << 20;
     let expected = colours(&mut stage, 1);
     let large = synthetic::lambert([1.0; 3], [600, 600]).unwrap();
@@ -172,7 +164,7 @@ fn a_file_that_changes_is_shown_anew() {
     let (red, blue) = (Vec3::new(0.8, 0.1, 0.1), Vec3::new(0.1, 0.1, 0.8));
     write(&folder, "a.fbtf", red.to_array());
     let mut stage = stage_with_files(&folder);
-    lit_stage(&mut stage);
+    stage.light_in_front();
     show(&mut stage, "a.fbtf");
     stage.settle();
     assert_colours(&mut stage, &[red]);
@@ -207,7 +199,7 @@ fn a_damaged_file_is_reported_and_the_rest_goes_on() {
     bytes.truncate(bytes.len() / 2);
     std::fs::write(folder.join("cut.fbtf"), bytes).unwrap();
     let mut stage = stage_with_files(&folder);
-    lit_stage(&mut stage);
+    stage.light_in_front();
     show(&mut stage, "cut.fbtf");
     show(&mut stage, "missing.fbtf");
     show(&mut stage, "good.fbtf");

@@ -86,6 +86,16 @@ impl Stage {
         ))
     }
 
+    /// A square of two metres seen from in front, in linear light, under a light from there that
+    /// shows a white surface as 1.
+    fn light_in_front(&mut self) {
+        self.float_camera(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 2.0);
+        self.spawn((
+            DirectionalLight { illuminance: std::f32::consts::PI, ..default() },
+            Transform::from_xyz(0.0, 0.0, 1.0).looking_at(Vec3::ZERO, Vec3::Y),
+        ));
+    }
+
     /// The camera draws into half floats.
     fn float_camera(&mut self, from: Vec3, to: Vec3, height: f32) -> Entity {
         let camera = self.camera(from, to, height);

@@ -158,12 +158,5 @@ impl Stage {
 
 /// Saves linear light for a person to look at.
 pub(crate) fn save(pixels: &[Vec3], name: &str) {
-    let path = support::scratch(&format!("ibl/{name}.png"));
-    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-    let picture = image::RgbImage::from_fn(SIZE, SIZE, |x, y| {
-        let pixel = pixels[(y * SIZE + x) as usize];
-        let color = Color::linear_rgb(pixel.x, pixel.y, pixel.z).to_srgba();
-        image::Rgb(color.to_f32_array_no_alpha().map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8))
-    });
-    picture.save(path).unwrap();
+    linear::save(pixels, SIZE, &format!("ibl/{name}.png"));
 }

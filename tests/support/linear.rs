@@ -87,3 +87,16 @@ pub fn texels(bytes: &[u8]) -> Vec<Vec3> {
     let texel = |p: &[u8]| Vec3::new(half(p), half(&p[2..]), half(&p[4..]));
     bytes.chunks_exact(PIXEL).map(texel).collect()
 }
+
+/// Saves linear light of square pictures for a person to look at, as `name` in the folder of
+/// [`scratch`](super::scratch).
+pub fn save(pixels: &[Vec3], size: u32, name: &str) {
+    let path = super::scratch(name);
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    let picture = image::RgbImage::from_fn(size, size, |x, y| {
+        let pixel = pixels[(y * size + x) as usize];
+        let color = Color::linear_rgb(pixel.x, pixel.y, pixel.z).to_srgba();
+        image::Rgb(color.to_f32_array_no_alpha().map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8))
+    });
+    picture.save(path).unwrap();
+}

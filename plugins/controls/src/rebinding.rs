@@ -6,7 +6,7 @@ use farlight_bindings::{
 };
 
 use crate::{
-    ControlsInForce,
+    ControlsInForce, ControlsStatus,
     layers::Layers,
     read::ActionEntities,
     sample::Sampling,
@@ -207,6 +207,7 @@ pub(crate) fn rebind(
     mut rebinding: ResMut<Rebinding>,
     sampling: Res<Sampling>,
     entities: Res<ActionEntities>,
+    status: Res<ControlsStatus>,
     mut in_force: ResMut<ControlsInForce>,
     mut layers: ResMut<Layers>,
 ) {
@@ -240,8 +241,8 @@ pub(crate) fn rebind(
     }
     let RebindState::Waiting { target, .. } = &rebinding.state else { return };
     let target = target.clone();
-    let infos = entities.all.iter().map(|action| action.info);
-    let Some(info) = infos.clone().find(|info| info.name == target.action) else {
+    let mut infos = entities.all.iter().map(|action| action.info);
+    let Some(info) = infos.find(|info| info.name == target.action) else {
         return rebinding.refuse(format!("there is no action {:?}", target.action));
     };
     if rebinding.parts.is_empty()
@@ -258,9 +259,7 @@ pub(crate) fn rebind(
         Ok(binding) => like(binding, &in_force.bindings, &target, info),
         Err(reason) => return rebinding.refuse(reason),
     };
-    let added: Vec<_> =
-        infos.filter(|info| farlight_bindings::action(info.name).is_none()).collect();
-    let rivals = in_force.bindings.rivals(&target.action, target.device, &binding, &added);
+    let rivals = in_force.bindings.rivals(&target.action, target.device, &binding, &status.added);
     rebinding.state = if rivals.is_empty() {
         bind(&mut in_force.bindings, &target, &binding, &[]);
         RebindState::Done { target, binding }
