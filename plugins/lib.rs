@@ -33,6 +33,8 @@
 //!
 //! Lights, materials and meshes stay Bevy's own.
 
+#[cfg(all(feature = "panel", feature = "xr"))]
+mod hands;
 #[cfg(feature = "panel")]
 mod sections;
 
@@ -103,6 +105,8 @@ impl PluginGroup for FarlightPlugins {
         let group = group.add(farlight_controls::ControlsPlugin::default());
         #[cfg(feature = "panel")]
         let group = group.add(farlight_panel::PanelPlugin::default()).add(sections::SuiteSections);
+        #[cfg(all(feature = "panel", feature = "xr"))]
+        let group = group.add(hands::PanelHands);
         #[cfg(feature = "remote")]
         let group = group.add(farlight_remote::RemotePlugin);
         group

@@ -20,8 +20,6 @@ impl Plugin for SuiteSections {
         app.init_resource::<Frames>().add_systems(Last, measure);
         #[cfg(feature = "gi")]
         app.init_resource::<Link>().add_systems(Last, sample_link);
-        #[cfg(feature = "xr")]
-        app.add_observer(follow_head).add_observer(show_in_eyes);
         app.add_systems(
             Update,
             (
@@ -286,14 +284,4 @@ fn tell_devices(
             device.name.clone().unwrap_or_else(|| device.device.label().into()),
         ));
     }
-}
-
-#[cfg(feature = "xr")]
-fn follow_head(head: On<Add, farlight_xr::XrHead>, mut commands: Commands) {
-    commands.entity(head.entity).insert(farlight_panel::PanelViewer);
-}
-
-#[cfg(feature = "xr")]
-fn show_in_eyes(eye: On<Add, farlight_xr::XrEye>, mut commands: Commands) {
-    commands.entity(eye.entity).insert(farlight_panel::PanelEye);
 }

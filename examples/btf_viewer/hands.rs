@@ -2,13 +2,9 @@
 
 use bevy::prelude::*;
 use farlight::{
-    controls::{
-        XrControllers,
-        bindings::{Hand, Xr},
-    },
-    panel::PanelRay,
+    controls::bindings::Hand,
     prelude::*,
-    xr::{Haptic, XrHandPose, XrHead, XrRay, XrRig, XrStatus},
+    xr::{Haptic, XrHandPose, XrHead, XrRig, XrStatus},
 };
 
 use super::{
@@ -67,29 +63,6 @@ pub fn grab(
         object.shift = (moved.place - stage.middle).clamp_length_max(10.0);
         object.set_rotation(moved.rotation);
         object.scale = moved.scale;
-    }
-}
-
-/// Rays press what they point at, and are drawn up to it.
-pub fn point(
-    controllers: Res<XrControllers>,
-    mut rays: Query<&mut PanelRay>,
-    mut drawn: Query<&mut XrRay>,
-) {
-    for mut ray in &mut rays {
-        let Some(hand) = ray.hand else { continue };
-        let presses = [Xr::Trigger, Xr::Select, Xr::Pinch]
-            .iter()
-            .any(|&input| controllers.value(hand, input).x > 0.5);
-        if ray.pressed != presses {
-            ray.pressed = presses;
-        }
-        for mut drawn in drawn.iter_mut().filter(|drawn| drawn.hand == hand) {
-            let length = ray.hit.unwrap_or(1.5);
-            if drawn.length != length {
-                drawn.length = length;
-            }
-        }
     }
 }
 

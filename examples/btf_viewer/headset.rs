@@ -1,29 +1,20 @@
-//! Both eyes get what the camera of the desktop has; hands get rays; the window shows what the left
-//! eye sees.
+//! Both eyes get what the camera of the desktop has; the window shows what the left eye sees.
 
 use bevy::{
     camera::{ClearColorConfig, Exposure, Hdr},
     core_pipeline::tonemapping::Tonemapping,
     prelude::*,
 };
-use farlight::{
-    panel::{PanelEye, PanelRay, PanelViewer},
-    xr::{XrEye, XrHandPose, XrHead, XrScreenshotSaved, XrStatus},
-};
+use farlight::xr::{XrEye, XrScreenshotSaved, XrStatus};
 
 use super::{
     actions::Said,
     camera::{CanvasView, WindowCamera},
 };
 
-/// Eyes, head and hands as they appear.
+/// Eyes as they appear, and their pictures.
 pub fn plugin(app: &mut App) {
-    app.add_observer(dress_eye)
-        .add_observer(|head: On<Add, XrHead>, mut commands: Commands| {
-            commands.entity(head.entity).insert(PanelViewer);
-        })
-        .add_observer(give_ray)
-        .add_systems(Update, (mirror, saved));
+    app.add_observer(dress_eye).add_systems(Update, (mirror, saved));
 }
 
 /// What else cameras need, `environment::show` and `camera::tune` give to all of them.
@@ -33,14 +24,7 @@ fn dress_eye(eye: On<Add, XrEye>, mut commands: Commands) {
         Exposure::default(),
         Tonemapping::TonyMcMapface,
         Msaa::Off,
-        PanelEye,
     ));
-}
-
-fn give_ray(added: On<Add, XrHandPose>, poses: Query<&XrHandPose>, mut commands: Commands) {
-    if let Ok(XrHandPose { hand, aim: true }) = poses.get(added.entity) {
-        commands.entity(added.entity).insert(PanelRay { hand: Some(*hand), ..default() });
-    }
 }
 
 /// While the headset runs the window shows an eye, behind what is written into it.

@@ -145,7 +145,7 @@ fn interact(app: &mut App, config: &Viewer, controls: ControlsPlugin) {
                 (
                     (state::watch, stage::set, actions::act).chain(),
                     (view::look, view::reset, view::move_room).chain(),
-                    (hands::grab, hands::point, hands::teleport).chain(),
+                    (hands::grab, hands::teleport).chain(),
                 )
                     .chain()
                     .before(Show),

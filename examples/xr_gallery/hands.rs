@@ -1,24 +1,19 @@
-//! What hands show: rays that press the panel, ticks that are felt, and the arc of a teleport.
+//! What hands show and feel: ticks on the panel, and the arc of a teleport.
 
 use bevy::{
     light::{NotShadowCaster, NotShadowReceiver},
     prelude::*,
 };
 use farlight::{
-    controls::{
-        XrControllers,
-        bindings::{Hand, Xr},
-    },
-    panel::{PanelRay, PanelViewer},
-    xr::{Haptic, XrHandPose, XrHead, XrRay},
+    controls::bindings::Hand,
+    panel::PanelRay,
+    xr::{Haptic, XrRay},
 };
 
 use super::moving::Aiming;
 
 /// Beads of the arc.
 const BEADS: usize = 28;
-/// How far a ray is drawn that meets nothing, in metres.
-const RAY: f32 = 1.5;
 
 /// A bead of the arc, counted from the hand.
 #[derive(Component)]
@@ -30,48 +25,14 @@ pub struct Marker;
 
 /// Systems of what hands show.
 pub fn plugin(app: &mut App) {
-    app.add_observer(give_ray)
-        .add_observer(follow_head)
-        .add_systems(Startup, spawn)
-        .add_systems(PreUpdate, press)
-        .add_systems(Update, feel)
+    app.add_systems(Startup, spawn)
+        .add_systems(Update, (feel, hide_ray))
         .add_systems(PostUpdate, draw_arc.before(TransformSystems::Propagate));
 }
 
-/// Every hand that points has a ray for panels.
-fn give_ray(added: On<Add, XrHandPose>, poses: Query<&XrHandPose>, mut commands: Commands) {
-    if let Ok(pose) = poses.get(added.entity)
-        && pose.aim
-    {
-        commands
-            .entity(added.entity)
-            .insert(PanelRay { hand: Some(pose.hand), ..PanelRay::default() });
-    }
-}
-
-/// Panels in the world follow the head, and are there while there is one.
-fn follow_head(added: On<Add, XrHead>, mut commands: Commands) {
-    commands.entity(added.entity).insert(PanelViewer);
-}
-
-/// Triggers, or what a controller has instead, press.
-fn press(controllers: Res<XrControllers>, mut rays: Query<&mut PanelRay>) {
-    for mut ray in &mut rays {
-        let Some(hand) = ray.hand else { continue };
-        let pressed = [Xr::Trigger, Xr::Select, Xr::Pinch]
-            .into_iter()
-            .any(|input| controllers.value(hand, input).x > 0.6);
-        if ray.pressed != pressed {
-            ray.pressed = pressed;
-        }
-    }
-}
-
-/// A tick when a ray comes onto a panel, and when it presses there; rays are drawn as far as the panel.
+/// A tick when a ray comes onto a panel, and when it presses there.
 fn feel(
     rays: Query<&PanelRay>,
-    aiming: Res<Aiming>,
-    mut drawn: Query<&mut XrRay>,
     mut before: Local<[(bool, bool); 2]>,
     mut haptics: MessageWriter<Haptic>,
 ) {
@@ -85,14 +46,14 @@ fn feel(
         if now.0 && now.1 && !before.1 {
             haptics.write(Haptic::tick(hand));
         }
-        for mut drawn in drawn.iter_mut().filter(|drawn| drawn.hand == hand) {
-            // An arc takes the ray's place.
-            let aims = hand == Hand::Left && aiming.0.is_some();
-            let length = if aims { 0.0 } else { ray.hit.unwrap_or(RAY) };
-            if drawn.length != length {
-                drawn.length = length;
-            }
-        }
+    }
+}
+
+/// An arc takes the ray's place.
+fn hide_ray(aiming: Res<Aiming>, mut rays: Query<(&XrRay, &mut Visibility)>) {
+    for (ray, mut visibility) in &mut rays {
+        let aims = ray.hand == Hand::Left && aiming.0.is_some();
+        visibility.set_if_neq(if aims { Visibility::Hidden } else { Visibility::Inherited });
     }
 }
 

@@ -8,7 +8,7 @@ use bevy::{
     render::renderer::RenderAdapterInfo,
 };
 use farlight::{
-    panel::{PanelCamera, PanelEye},
+    panel::PanelCamera,
     xr::{DesktopCamera, XrEye},
 };
 
@@ -79,7 +79,7 @@ pub fn open_eyes(
 ) {
     let Some(picture) = picture else { return };
     for eye in &eyes {
-        commands.entity(eye).insert((PanelEye, of_every_camera(&picture)));
+        commands.entity(eye).insert(of_every_camera(&picture));
     }
 }
 
