@@ -18,6 +18,7 @@
 //! | [`unwrap`] | second UV sets, checked or made |
 //! | [`atlas`] | lightmap pages with free rectangles |
 //! | [`lightmap`] | the lightmap solver: milliseconds first, converged later |
+//! | [`bake`] | lightmaps for files: minutes instead of milliseconds |
 //! | [`settings`] | how to solve, as a user writes it down |
 //! | [`session`] | scene changes in, lighting updates out: what a thread or a server runs |
 //!
@@ -27,6 +28,7 @@
 //! come out in the matching unit.
 
 pub mod atlas;
+pub mod bake;
 pub mod estimate;
 pub mod import;
 pub mod lightmap;

@@ -9,7 +9,7 @@ use crate::{
     World,
     estimate::{Estimate, GatherSettings, Progress, estimate},
     path::{PathTracer, direct_irradiance},
-    sampling::{Frame, cosine_hemisphere},
+    sampling::{Frame, PathSampler, cosine_hemisphere},
 };
 
 /// Distance in metres by which rays start off a receiver.
@@ -33,6 +33,17 @@ pub struct ReceiverLight {
     pub indirect: Estimate,
     /// The part of `indirect` that was reflected once at most.
     pub one_bounce: Estimate,
+}
+
+/// A sample of the irradiance at a receiver; its mean over many is the irradiance.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct SampledLight {
+    /// Straight from the sky.
+    pub(crate) sky: Vec3,
+    /// Emitted by surfaces, or reflected any number of times.
+    pub(crate) indirect: Vec3,
+    /// The part of `indirect` that was reflected once at most.
+    pub(crate) one_bounce: Vec3,
 }
 
 impl Receiver {
@@ -60,28 +71,41 @@ impl Receiver {
         stream: u64,
         progress: Progress<'_>,
     ) -> Option<ReceiverLight> {
-        let (origin, frame) = (self.origin(), Frame::new(self.normal));
-        let cosine_pdf = |d: Vec3| self.normal.dot(d).max(0.0) * FRAC_1_PI;
-        // Directions have density cos θ / π, so E = π times the mean radiance.
         let [mut direct, indirect, one_bounce] =
             estimate(settings, stream, progress, |sampler, sums| {
-                let local = cosine_hemisphere(sampler.next_2d());
-                let (mut sky, mut emitted) = (Vec3::ZERO, Vec3::ZERO);
-                if let Some(toward) = tracer.toward_emitter(origin, sampler, cosine_pdf) {
-                    emitted = toward.weighted * self.normal.dot(toward.direction);
-                }
-                if let Some(toward) = tracer.toward_sky(origin, sampler, cosine_pdf) {
-                    sky = toward.weighted * self.normal.dot(toward.direction);
-                }
-                let pdf = Some(local.z * FRAC_1_PI);
-                let arriving = tracer.trace_weighed(origin, frame.to_world(local), pdf, sampler);
-                sky += arriving.sky * PI;
-                sums[0] += sky.as_dvec3();
-                sums[1] += (arriving.indirect * PI + emitted).as_dvec3();
-                sums[2] += (arriving.one_bounce * PI + emitted).as_dvec3();
+                let light = self.sample(tracer, sampler);
+                sums[0] += light.sky.as_dvec3();
+                sums[1] += light.indirect.as_dvec3();
+                sums[2] += light.one_bounce.as_dvec3();
             })?;
         direct.mean += self.direct(tracer.world());
         Some(ReceiverLight { direct, indirect, one_bounce })
+    }
+
+    /// One sample of the irradiance, without what arrives straight from punctual lights.
+    pub(crate) fn sample(
+        &self,
+        tracer: &PathTracer<'_>,
+        sampler: &mut PathSampler,
+    ) -> SampledLight {
+        let (origin, frame) = (self.origin(), Frame::new(self.normal));
+        let cosine_pdf = |d: Vec3| self.normal.dot(d).max(0.0) * FRAC_1_PI;
+        let local = cosine_hemisphere(sampler.next_2d());
+        let (mut sky, mut emitted) = (Vec3::ZERO, Vec3::ZERO);
+        if let Some(toward) = tracer.toward_emitter(origin, sampler, cosine_pdf) {
+            emitted = toward.weighted * self.normal.dot(toward.direction);
+        }
+        if let Some(toward) = tracer.toward_sky(origin, sampler, cosine_pdf) {
+            sky = toward.weighted * self.normal.dot(toward.direction);
+        }
+        let pdf = Some(local.z * FRAC_1_PI);
+        let arriving = tracer.trace_weighed(origin, frame.to_world(local), pdf, sampler);
+        // Directions have density cos θ / π, so E = π times the mean radiance.
+        SampledLight {
+            sky: sky + arriving.sky * PI,
+            indirect: arriving.indirect * PI + emitted,
+            one_bounce: arriving.one_bounce * PI + emitted,
+        }
     }
 }
 

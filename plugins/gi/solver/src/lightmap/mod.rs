@@ -40,6 +40,9 @@ mod sky;
 mod transport;
 
 pub use bake::{Lightmap, LightmapSolver};
+pub(crate) use bury::unbury;
+pub(crate) use fill::FillPlan;
 pub(crate) use grids::GridState;
 pub(crate) use lighting::{Lighting, Limits};
+pub(crate) use patches::Patches;
 pub(crate) use raster::MeshTexels;

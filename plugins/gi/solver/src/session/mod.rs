@@ -23,6 +23,7 @@ use crate::{
     sh::ShRgb,
 };
 
+pub(crate) use place::Places;
 pub use run::Session;
 pub use solve::{Solve, panic_message};
 pub use texels::{TexelPoint, reference};

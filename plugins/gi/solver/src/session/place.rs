@@ -28,7 +28,7 @@ const KEEP: f32 = 1.3;
 
 /// A receiver's place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
+pub(crate) struct Place {
     pub page: PageId,
     /// With padding.
     pub padded: TexelRect,
@@ -38,7 +38,7 @@ pub(super) struct Place {
 
 impl Place {
     /// Without padding: what the UV square covers.
-    pub(super) fn rect(&self) -> TexelRect {
+    pub(crate) fn rect(&self) -> TexelRect {
         let p = self.padded;
         TexelRect {
             x: p.x + PADDING,
@@ -50,7 +50,7 @@ impl Place {
 }
 
 /// All receivers' places.
-pub(super) struct Places {
+pub(crate) struct Places {
     pub atlas: Atlas,
     pub places: BTreeMap<InstanceId, Place>,
     /// Texels a metre; lowered until everything fits.
@@ -58,7 +58,7 @@ pub(super) struct Places {
 }
 
 impl Places {
-    pub(super) fn new(page_size: u32, max_pages: u32, texels_per_metre: f32) -> Self {
+    pub(crate) fn new(page_size: u32, max_pages: u32, texels_per_metre: f32) -> Self {
         Self {
             atlas: Atlas::new(page_size, max_pages),
             places: BTreeMap::new(),
@@ -67,12 +67,12 @@ impl Places {
     }
 
     /// Edge of a texel in metres.
-    pub(super) fn texel(&self) -> f32 {
+    pub(crate) fn texel(&self) -> f32 {
         1.0 / self.density
     }
 
     /// Gives every wanted receiver a place. Returns those that get none, and why.
-    pub(super) fn arrange(
+    pub(crate) fn arrange(
         &mut self,
         scene: &Scene,
         wanted: &BTreeSet<InstanceId>,
