@@ -54,9 +54,12 @@ impl FileBudget {
 /// An open file: its JSON and its buffers.
 pub(super) struct File<'a> {
     pub(super) root: Root,
+    pub(super) json: &'a [u8],
     buffers: Vec<Cow<'a, [u8]>>,
     folder: Option<PathBuf>,
     budget: RefCell<FileBudget>,
+    /// Files beside it that were read.
+    pub(super) read: RefCell<Vec<PathBuf>>,
 }
 
 impl<'a> File<'a> {
@@ -79,9 +82,11 @@ impl<'a> File<'a> {
         check_extensions(&root, warnings)?;
         let mut file = Self {
             root,
+            json,
             buffers: Vec::new(),
             folder: folder.map(Path::to_path_buf),
             budget: RefCell::new(budget),
+            read: RefCell::default(),
         };
         for index in 0..file.root.buffers.len() {
             let data = file.buffer(index, bin)?;
@@ -137,13 +142,23 @@ impl<'a> File<'a> {
             Ok::<_, std::io::Error>(path.canonicalize()?.starts_with(folder.canonicalize()?))
         };
         match inside(&path) {
-            Ok(true) => self.budget.borrow_mut().read(&path).map_err(|problem| match problem {
-                ImportProblem::Io(error) => external(error.to_string()),
-                other => other,
-            }),
+            Ok(true) => {
+                let bytes =
+                    self.budget.borrow_mut().read(&path).map_err(|problem| match problem {
+                        ImportProblem::Io(error) => external(error.to_string()),
+                        other => other,
+                    })?;
+                self.read.borrow_mut().push(path);
+                Ok(bytes)
+            }
             Ok(false) => Err(external("the link leads out of the folder of the glTF file".into())),
             Err(error) => Err(external(format!("{error} (looked for {})", path.display()))),
         }
+    }
+
+    /// The data of all buffers.
+    pub(super) fn into_buffers(self) -> Vec<Vec<u8>> {
+        self.buffers.into_iter().map(Cow::into_owned).collect()
     }
 
     /// The bytes and the stride of a buffer view.

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use gltf::json::{
     self, Index,
-    mesh::{Mode, Primitive, Semantic},
+    mesh::{Mode, Semantic},
     validation::Checked,
 };
 
@@ -50,18 +50,25 @@ impl<'a> GeometryBudget<'a> {
     }
 }
 
+/// A primitive that was read.
+pub(super) struct Primitive {
+    pub mesh: Mesh,
+    /// The vertex in the file of each vertex of the mesh; `None` if they are the same.
+    pub vertices: Option<Vec<u32>>,
+}
+
 /// Reads a primitive; `None` (with a warning) if there is nothing to light in it. `uv_set` is the
 /// texture coordinate set of its material. Triangles are counted by the caller, an instance at a
 /// time, but never more are built than the limit allows.
 pub(super) fn read(
     file: &File<'_>,
     place: &str,
-    primitive: &Primitive,
+    primitive: &json::mesh::Primitive,
     uv_set: u32,
     scale: f32,
     budget: &mut GeometryBudget<'_>,
     warnings: &mut Warnings,
-) -> Result<Option<Mesh>, ImportProblem> {
+) -> Result<Option<Primitive>, ImportProblem> {
     let fail = |attribute: &str, what: String| ImportProblem::Primitive {
         place: format!("{place}{attribute}"),
         what,
@@ -118,16 +125,16 @@ pub(super) fn read(
     };
     mesh.uv0 = uvs(uv_set)?;
     mesh.uv1 = uvs(1)?;
-    drop_unused_vertices(&mut mesh);
+    let vertices = drop_unused_vertices(&mut mesh);
     repair(&mut mesh, place, uv_set, warnings);
-    Ok(Some(mesh))
+    Ok(Some(Primitive { mesh, vertices }))
 }
 
 /// Triangles that have an area and only finite positions.
 fn triangles(
     file: &File<'_>,
     place: &str,
-    primitive: &Primitive,
+    primitive: &json::mesh::Primitive,
     mode: Mode,
     positions: &[Vec3],
     budget: &GeometryBudget<'_>,
@@ -203,8 +210,9 @@ pub(super) fn is_usable(p: &Vec3) -> bool {
     p.is_finite() && p.abs().max_element() <= FARTHEST
 }
 
-/// Primitives often share one vertex list, and vertices of dropped triangles may be NaN.
-fn drop_unused_vertices(mesh: &mut Mesh) {
+/// Primitives often share one vertex list, and vertices of dropped triangles may be NaN. Returns which
+/// were kept, if not all.
+fn drop_unused_vertices(mesh: &mut Mesh) -> Option<Vec<u32>> {
     const UNUSED: u32 = u32::MAX;
     let mut place = vec![UNUSED; mesh.positions.len()];
     for &i in mesh.triangles.as_flattened() {
@@ -218,7 +226,7 @@ fn drop_unused_vertices(mesh: &mut Mesh) {
         }
     }
     if used as usize == place.len() {
-        return;
+        return None;
     }
     for i in mesh.triangles.as_flattened_mut() {
         *i = place[*i as usize];
@@ -235,6 +243,7 @@ fn drop_unused_vertices(mesh: &mut Mesh) {
     keep(&mut mesh.normals, &place);
     keep(&mut mesh.uv0, &place);
     keep(&mut mesh.uv1, &place);
+    Some((0..place.len() as u32).filter(|&i| place[i as usize] != UNUSED).collect())
 }
 
 /// Replaces normals that are not directions, drops UV sets that are not numbers.

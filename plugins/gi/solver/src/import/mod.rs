@@ -23,12 +23,14 @@ mod error;
 mod geometry;
 mod material;
 mod nodes;
+mod package;
 
-use std::{collections::BTreeMap, path::Path};
+use std::{collections::BTreeMap, path::Path, sync::Arc};
 
 pub use error::{ImportError, ImportProblem};
+pub use package::Package;
 
-use crate::scene::{InstanceId, LightId, MaterialId, Scene};
+use crate::scene::{InstanceId, LightId, MaterialId, MeshId, Scene};
 use error::Warnings;
 
 /// The material of primitives that name none.
@@ -92,6 +94,9 @@ pub struct ImportedScene {
     pub light_ids: Vec<LightId>,
     /// Names of instances, for messages: node, and mesh and primitive where they tell more.
     pub instance_names: BTreeMap<InstanceId, String>,
+    /// Of meshes that do not use all vertices of their primitive: the vertex in the file of each
+    /// vertex of the mesh, ascending. The others have the vertices of the file.
+    pub file_vertices: BTreeMap<MeshId, Arc<[u32]>>,
     /// What was left out or repaired, and why. At most about a hundred.
     pub warnings: Vec<String>,
 }

@@ -250,7 +250,10 @@ impl Reader<'_> {
                         &mut self.budget,
                         warnings,
                     )?
-                    .map(|mesh| {
+                    .map(|geometry::Primitive { mesh, vertices }| {
+                        if let Some(vertices) = vertices {
+                            imported.file_vertices.insert(mesh_id, vertices.into());
+                        }
                         let read = Read {
                             triangles: mesh.triangles.len() as u64,
                             bounds: bounds(&mesh.positions),
