@@ -74,6 +74,12 @@ impl<'a> Gatherer<'a> {
         progress(0).is_continue().then(|| Self { tracer: PathTracer::new(world), layout, settings })
     }
 
+    /// What it gathers.
+    #[must_use]
+    pub fn settings(&self) -> &GathererSettings {
+        &self.settings
+    }
+
     /// Adds `rays` rays (even) to every texel: indirect light, and the sky's direct light unless the
     /// settings leave it out. `None`, and nothing added, if `progress` stopped the work.
     #[must_use]

@@ -15,15 +15,24 @@ use crate::{
     session::{Placement, Places},
 };
 
+/// How many texels a metre of surface gets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Density {
+    /// So many; fewer where not all would fit on the pages.
+    TexelsPerMetre(f32),
+    /// As many as fit on the pages.
+    Fit,
+}
+
 /// How to lay receivers out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LayoutSettings {
     /// Edge of a square page in texels (power of two, 16 to 4096).
     pub page_size: u32,
-    /// Most pages; when they are full the texel density is lowered so that everything fits.
+    /// Most pages.
     pub max_pages: u32,
-    /// Texels a metre that are aimed for.
-    pub texels_per_metre: f32,
+    /// Texels a metre.
+    pub density: Density,
 }
 
 /// The texels of all receivers.
@@ -60,7 +69,7 @@ pub struct LayoutTexel {
     pub chart: u32,
     /// World position.
     pub position: Vec3,
-    /// Unit geometric normal.
+    /// Unit normal that its light is for.
     pub normal: Vec3,
     /// Whether the point is in the open. If not, the texel takes its neighbours' light.
     pub open: bool,
@@ -76,9 +85,20 @@ impl Layout {
         settings: &LayoutSettings,
     ) -> Self {
         let wanted: BTreeSet<InstanceId> = receivers.into_iter().collect();
-        let mut places =
-            Places::new(settings.page_size, settings.max_pages, settings.texels_per_metre);
-        let refused = places.arrange(scene, &wanted).into_iter().collect();
+        let places = |density| Places::new(settings.page_size, settings.max_pages, density);
+        let (places, refused) = match settings.density {
+            Density::TexelsPerMetre(density) => {
+                let mut places = places(density);
+                let refused = places.arrange(scene, &wanted);
+                (places, refused)
+            }
+            Density::Fit => {
+                let mut places = places(1.0);
+                let refused = places.fit(scene, &wanted);
+                (places, refused)
+            }
+        };
+        let refused = refused.into_iter().collect();
 
         let mut rasters: HashMap<(*const Mesh, u32, u32), Arc<MeshTexels>> = HashMap::new();
         let (mut texels, mut placements) = (Vec::new(), Vec::new());

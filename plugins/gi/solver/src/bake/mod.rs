@@ -9,6 +9,7 @@
 //! 3. [`direct`]: what arrives straight from lights, the mean over each texel's area.
 //! 4. [`denoise`]: takes the noise out of what was gathered.
 //! 5. [`pages`]: the texels on their pages, dilated.
+//! 6. [`volume`]: probes on a grid, from the same light.
 //!
 //! Equal inputs give equal results on any number of threads.
 
@@ -17,9 +18,13 @@ mod direct;
 mod gather;
 mod layout;
 mod pages;
+mod saved;
+mod volume;
 
 pub use denoise::denoise;
 pub use direct::{DirectLight, direct};
 pub use gather::{Gathered, Gatherer, GathererSettings};
-pub use layout::{Layout, LayoutSettings, LayoutTexel};
+pub use layout::{Density, Layout, LayoutSettings, LayoutTexel};
 pub use pages::pages;
+pub use saved::SavedError;
+pub use volume::volume;

@@ -55,6 +55,14 @@ impl GridState {
         }
     }
 
+    /// Where the probes are.
+    pub(crate) fn positions(&self) -> Vec<glam::Vec3> {
+        let position = |origin: &Origin| match *origin {
+            Origin::Space(position) | Origin::Surface(position, _) => position,
+        };
+        self.origins.iter().map(position).collect()
+    }
+
     /// Forgets the rays, after geometry changed.
     pub(crate) fn invalidate(&mut self) {
         self.blocks.clear();

@@ -23,6 +23,8 @@ pub(super) const PADDING: u32 = 1;
 const LOWER: f32 = 0.96;
 /// Orders of packing that are tried at each density.
 const ORDERS: u32 = 4;
+/// Densities that are tried in search for the densest.
+const FIT_STEPS: u32 = 6;
 /// A receiver keeps its rectangle while its ideal edges change by less than this factor.
 const KEEP: f32 = 1.3;
 
@@ -77,14 +79,7 @@ impl Places {
         scene: &Scene,
         wanted: &BTreeSet<InstanceId>,
     ) -> BTreeMap<InstanceId, Arc<str>> {
-        let mut refused = BTreeMap::new();
-        let mut sizes = BTreeMap::new();
-        for id in wanted {
-            match size_in_metres(scene, *id) {
-                Ok(size) => drop(sizes.insert(*id, size)),
-                Err(why) => drop(refused.insert(*id, Arc::from(why))),
-            }
-        }
+        let (sizes, refused) = measure(scene, wanted);
         let gone: Vec<InstanceId> = self
             .places
             .iter()
@@ -100,31 +95,75 @@ impl Places {
             return refused;
         }
         // Something has no room: everything is packed anew, coarser and coarser.
-        loop {
-            let orders = match sizes.len() {
-                _ if self.area(&sizes) > self.atlas.capacity() => 0,
-                0..1000 => ORDERS,
-                _ => 1,
-            };
-            for order in 0..orders {
-                self.atlas.clear();
-                self.places.clear();
-                if self.add_missing(&sizes, order) {
-                    return refused;
-                }
+        self.lower_until_it_fits(&sizes, refused)
+    }
+
+    /// Packs every wanted receiver anew, as densely as fits. Returns those that get no place, and why.
+    ///
+    /// Packing is not quite monotonic in the density: what is found is the densest of those that a
+    /// search by halves tries.
+    pub(crate) fn fit(
+        &mut self,
+        scene: &Scene,
+        wanted: &BTreeSet<InstanceId>,
+    ) -> BTreeMap<InstanceId, Arc<str>> {
+        let (sizes, refused) = measure(scene, wanted);
+        // More never fits: the longest receiver takes a page's edge, or all together take all texels.
+        let longest = sizes.values().map(|s| s.max_element()).fold(f32::MIN_POSITIVE, f32::max);
+        let area: f32 = sizes.values().map(|s| s.x * s.y).sum();
+        let edge = (self.atlas.page_size() - 2 * PADDING) as f32 / longest;
+        let all = (self.atlas.capacity() as f32 / area.max(f32::MIN_POSITIVE)).sqrt();
+        self.density = edge.min(all).clamp(1e-6, 1e6);
+        let refused = self.lower_until_it_fits(&sizes, refused);
+        let (mut low, mut high) = (self.density, self.density / LOWER);
+        let mut best = (self.atlas.clone(), self.places.clone());
+        for _ in 0..FIT_STEPS {
+            self.density = (low * high).sqrt();
+            if self.density <= edge && self.pack(&sizes) {
+                low = self.density;
+                best = (self.atlas.clone(), self.places.clone());
+            } else {
+                high = self.density;
             }
+        }
+        self.density = low;
+        (self.atlas, self.places) = best;
+        refused
+    }
+
+    fn lower_until_it_fits(
+        &mut self,
+        sizes: &BTreeMap<InstanceId, Vec2>,
+        mut refused: BTreeMap<InstanceId, Arc<str>>,
+    ) -> BTreeMap<InstanceId, Arc<str>> {
+        while !self.pack(sizes) {
             let smallest = |s: &Vec2| (*s * self.density).max_element() <= (ALIGN - 2) as f32;
             if sizes.values().all(smallest) {
                 self.atlas.clear();
                 self.places.clear();
-                self.add_missing(&sizes, 0);
+                self.add_missing(sizes, 0);
                 for id in sizes.keys().filter(|id| !self.places.contains_key(id)) {
                     refused.insert(*id, Arc::from("all lightmap pages are full"));
                 }
-                return refused;
+                break;
             }
             self.density *= LOWER;
         }
+        refused
+    }
+
+    /// Packs everything anew at the present density. Returns whether it fits.
+    fn pack(&mut self, sizes: &BTreeMap<InstanceId, Vec2>) -> bool {
+        let orders = match sizes.len() {
+            _ if self.area(sizes) > self.atlas.capacity() => 0,
+            0..1000 => ORDERS,
+            _ => 1,
+        };
+        (0..orders).any(|order| {
+            self.atlas.clear();
+            self.places.clear();
+            self.add_missing(sizes, order)
+        })
     }
 
     /// Texels that all receivers take at the present density.
@@ -176,6 +215,20 @@ impl Place {
         let ratio = ideal / self.ideal;
         ratio.max_element() < KEEP && ratio.min_element() > 1.0 / KEEP
     }
+}
+
+/// Sizes in metres of those that can be receivers, and why the others can't.
+type Measured = (BTreeMap<InstanceId, Vec2>, BTreeMap<InstanceId, Arc<str>>);
+
+fn measure(scene: &Scene, wanted: &BTreeSet<InstanceId>) -> Measured {
+    let (mut sizes, mut refused) = (BTreeMap::new(), BTreeMap::new());
+    for id in wanted {
+        match size_in_metres(scene, *id) {
+            Ok(size) => drop(sizes.insert(*id, size)),
+            Err(why) => drop(refused.insert(*id, Arc::from(why))),
+        }
+    }
+    (sizes, refused)
 }
 
 /// Padded edge for so many texels.

@@ -1,0 +1,8 @@
+//! The parts of a bake.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod layout;
+mod saved;
+mod scenes;
