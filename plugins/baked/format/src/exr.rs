@@ -14,6 +14,9 @@ use thiserror::Error;
 
 use crate::ktx2::half_channel;
 
+/// Larger pictures are refused: 8192 x 8192.
+const MOST_TEXELS: usize = 1 << 26;
+
 /// Why a picture can't be written or read.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("OpenEXR: {0}")]
@@ -86,7 +89,10 @@ impl Picture {
             .no_deep_data()
             .largest_resolution_level()
             .rgb_channels(
-                |size, _| (size.width(), vec![Vec3::ZERO; size.area()]),
+                |size, _| {
+                    let texels = if size.area() <= MOST_TEXELS { size.area() } else { 0 };
+                    (size.width(), vec![Vec3::ZERO; texels])
+                },
                 |(width, texels): &mut (usize, Vec<Vec3>), at, (r, g, b): (f32, f32, f32)| {
                     if let Some(texel) = texels.get_mut(at.x() + at.y() * *width) {
                         *texel = Vec3::new(r, g, b);
@@ -100,6 +106,9 @@ impl Picture {
         let [width, height] =
             [image.layer_data.size.width(), image.layer_data.size.height()].map(|side| side as u32);
         let (_, texels) = image.layer_data.channel_data.pixels;
+        if texels.len() != image.layer_data.size.area() {
+            return Err(ExrError(format!("{width} x {height} texels are more than {MOST_TEXELS}")));
+        }
         Ok(Self { width, height, texels })
     }
 }

@@ -9,6 +9,11 @@ use thiserror::Error;
 
 use crate::Fingerprint;
 
+mod text;
+mod validate;
+
+pub use validate::{MOST_PAGES, MOST_PROBES, PAGE_SIZE, VOLUME_TEXELS};
+
 /// The version of the format that this crate reads and writes.
 pub const VERSION: u32 = 1;
 
@@ -17,7 +22,7 @@ pub const EXTENSION: &str = "baked.ron";
 
 /// Everything that a bake made.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, rename = "BakedManifest")]
 pub struct Manifest {
     /// [`VERSION`].
     pub version: u32,
@@ -30,9 +35,9 @@ pub struct Manifest {
     pub complete: bool,
     /// How it was baked.
     pub settings: Settings,
-    /// Edge of the square lightmap pages in texels.
+    /// Edge of the square lightmap pages in texels: 1 to [`PAGE_SIZE`], or 0 if there are none.
     pub page_size: u32,
-    /// How many pages each scenario has.
+    /// How many pages each scenario has, at most [`MOST_PAGES`].
     pub pages: u32,
     /// Primitives that are lit by a lightmap, by node and primitive.
     pub receivers: Vec<Receiver>,
@@ -47,7 +52,7 @@ pub struct Manifest {
 }
 
 /// How a bake was made, for people and for comparing.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
     /// Metres a unit of the source file.
@@ -62,6 +67,12 @@ pub struct Settings {
     pub denoise: bool,
     /// Seed of all random numbers.
     pub seed: u64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { scale: 1.0, texels_per_metre: 0.0, samples: 0, bounces: 0, denoise: false, seed: 0 }
+    }
 }
 
 /// A primitive of a node's mesh that is lit by a lightmap.
@@ -106,7 +117,8 @@ pub struct Volume {
     /// The columns x, y, z and translation of the transform from the unit cube (-0.5..0.5) to the lit scene
     /// in metres. Probe `(i, j, k)` sits at `((ijk + 0.5) / resolution - 0.5)`.
     pub transform: [[f32; 3]; 4],
-    /// Probes along x, y, z.
+    /// Probes along x, y, z: at least one, at most [`MOST_PROBES`] in all, and no side of the texture
+    /// longer than [`VOLUME_TEXELS`].
     pub resolution: [u32; 3],
 }
 
@@ -114,7 +126,7 @@ pub struct Volume {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
-    /// How a game calls it.
+    /// How a game calls it; no two have the same one.
     pub name: String,
     /// One a page.
     pub pages: Vec<Page>,
@@ -149,8 +161,8 @@ pub struct Page {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Light {
-    /// Its node in the glTF file; `None` for one that was added, which the engine makes from the rest
-    /// of this description.
+    /// Its node in the glTF file, once in a scenario; `None` for one that was added, which the engine
+    /// makes from the rest of this description.
     #[serde(default)]
     pub node: Option<u32>,
     /// Its name.
@@ -163,7 +175,7 @@ pub struct Light {
     /// World position in metres.
     #[serde(default)]
     pub position: [f32; 3],
-    /// Unit direction in which it shines.
+    /// Unit direction in which it shines, of spot and directional lights.
     #[serde(default)]
     pub direction: [f32; 3],
     /// Luminous intensity in cd, or illuminance in lx of a directional light: linear RGB.
@@ -192,7 +204,7 @@ pub enum Direct {
 pub enum LightKind {
     /// To all sides.
     Point,
-    /// A cone; half angles in radians.
+    /// A cone; half angles in radians, 0 <= inner <= outer <= π/2.
     Spot {
         /// Full intensity inside.
         inner: f32,
@@ -226,36 +238,6 @@ pub enum ManifestError {
 }
 
 impl Manifest {
-    /// Reads and checks a manifest.
-    ///
-    /// # Errors
-    /// The first thing that is wrong.
-    pub fn parse(text: &str) -> Result<Self, ManifestError> {
-        let manifest: Self =
-            ron::from_str(text).map_err(|error| ManifestError::Syntax(error.to_string()))?;
-        manifest.validate()?;
-        Ok(manifest)
-    }
-
-    /// The text of a manifest.
-    #[must_use]
-    pub fn to_text(&self) -> String {
-        let style = ron::ser::PrettyConfig::new().struct_names(false).depth_limit(3);
-        // Plain data: there is nothing that RON can't hold.
-        ron::ser::to_string_pretty(self, style).unwrap_or_default() + "\n"
-    }
-
-    /// Checks that everything is in its range and that indices and counts fit each other.
-    ///
-    /// # Errors
-    /// The first thing that is wrong.
-    pub fn validate(&self) -> Result<(), ManifestError> {
-        if self.version != VERSION {
-            return Err(ManifestError::Version { found: self.version });
-        }
-        Ok(())
-    }
-
     /// The scenario of a name.
     #[must_use]
     pub fn scenario(&self, name: &str) -> Option<&Scenario> {
