@@ -4,7 +4,13 @@
 //! as one self-contained `.glb` with new second UV sets, in metres, with marked nodes. Everything
 //! that this module does not know stays as it was.
 
+mod elements;
+mod images;
+mod nodes;
+mod primitives;
+mod references;
 mod source;
+mod values;
 mod write;
 
 use thiserror::Error;

@@ -4,21 +4,43 @@
 //! between charts. [`second_sets`] keeps a set of the file that is like that (cropped, so that the
 //! charts of each primitive fill its own square 0..1) and makes one otherwise. [`apply`] puts the sets
 //! into the scene that is solved, [`gltf::write`](crate::gltf::write()) into the file: both have the
-//! same vertices in the same order, so that
-//! `Fingerprint::of_uv(scene.meshes[id].uv1)` is that of the lit scene too.
+//! same vertices in the same order, so that `Fingerprint::of_uv(scene.meshes[id].uv1)` is that of
+//! the primitive in the lit scene too, as the engine loads it.
+//!
+//! Charts stay half a gutter away from the border of their square: rectangles may stand side by side
+//! in a page. The exception are sets that must not be changed because a texture is placed by them.
+//!
+//! A mesh has one set for all of its instances, mirrored ones too: a mirror turns triangles and
+//! normals round, not their UVs.
 
-use std::{collections::BTreeMap, sync::Arc};
+mod cache;
+mod crop;
+mod decide;
+mod facts;
+mod size;
 
-use farlight_baked_format::Fingerprint;
+use std::{
+    collections::BTreeMap,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, AtomicUsize, Ordering},
+    },
+};
+
 use farlight_gi_solver::{
     import::ImportedScene,
     scene::{InstanceId, MeshId},
-    unwrap::{UnwrapOptions, Unwrapped, ensure_uv1},
+    unwrap::Unwrapped,
 };
 use glam::UVec2;
+use rayon::prelude::*;
 use thiserror::Error;
 
+pub use cache::{NoCache, UvCache};
+pub use size::density_for;
+
 use crate::gltf::Source;
+use facts::Facts;
 
 /// How many texels primitives get.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +66,8 @@ impl Default for UvOptions {
 pub enum UvSet {
     /// That of the file, with the vertices of the file.
     Kept,
-    /// That of the file, moved and scaled to fill the square; vertices may be fewer.
+    /// That of the file, moved and scaled to fill the square; vertices may be fewer, or more where the
+    /// engine would split them.
     Cropped {
         /// Vertices and set.
         unwrapped: Unwrapped,
@@ -63,38 +86,31 @@ pub enum UvSet {
     },
 }
 
+impl UvSet {
+    /// Vertices and set, if they are not those of the file.
+    #[must_use]
+    pub fn unwrapped(&self) -> Option<&Unwrapped> {
+        match self {
+            Self::Cropped { unwrapped } | Self::Made { unwrapped, .. } => Some(unwrapped),
+            Self::Kept | Self::None { .. } => None,
+        }
+    }
+}
+
 /// A primitive's second UV set, and the texels for it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SecondSet {
     /// The set.
     pub set: UvSet,
-    /// Edges in texels of the rectangle that the square 0..1 should get, by instance of the mesh. Empty
-    /// without a set.
+    /// [`ImportedScene::file_vertices`] of the mesh: `Unwrapped::source` counts these.
+    pub vertices: Option<Arc<[u32]>>,
+    /// Edges in texels of the rectangle that the square 0..1 should get, by instance of the mesh: in
+    /// proportion to their sizes, but never less than half of the largest. Empty without a set.
     pub sizes: BTreeMap<InstanceId, UVec2>,
-    /// Texels a metre in the largest instance.
+    /// Texels a metre in the largest instance (the median over its surface).
     pub texels_per_metre: f32,
-    /// Texels between charts in the smallest instance.
+    /// Smallest distance in texels between two charts in the smallest instance; at most the padding.
     pub gutter: f32,
-}
-
-/// Keeps what was unwrapped from one bake to the next.
-pub trait UvCache: Sync {
-    /// What was put for a key.
-    fn get(&self, key: Fingerprint) -> Option<Vec<u8>>;
-    /// Keeps bytes for a key; failing silently is fine.
-    fn put(&self, key: Fingerprint, bytes: &[u8]);
-}
-
-/// Keeps nothing.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct NoCache;
-
-impl UvCache for NoCache {
-    fn get(&self, _key: Fingerprint) -> Option<Vec<u8>> {
-        None
-    }
-
-    fn put(&self, _key: Fingerprint, _bytes: &[u8]) {}
 }
 
 /// The caller asked to stop.
@@ -115,27 +131,46 @@ pub fn second_sets(
     cache: &dyn UvCache,
     progress: &(dyn Fn(usize, usize) -> bool + Sync),
 ) -> Result<BTreeMap<MeshId, SecondSet>, Cancelled> {
-    let _ = (source, cache);
     let total = imported.scene.meshes.len();
-    let mut sets = BTreeMap::new();
-    for (done, (&id, mesh)) in imported.scene.meshes.iter().enumerate() {
-        if !progress(done, total) {
-            return Err(Cancelled);
+    let (done, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let go_on = || {
+        if !stopped.load(Ordering::Relaxed) && !progress(done.load(Ordering::Relaxed), total) {
+            stopped.store(true, Ordering::Relaxed);
         }
-        let texels = 64;
-        let set = match ensure_uv1(mesh, &UnwrapOptions { texels, ..Default::default() }) {
-            Ok(unwrapped) => UvSet::Made { unwrapped, why: String::new() },
-            Err(error) => UvSet::None { reason: error.to_string() },
-        };
-        let instances = imported.scene.instances.iter();
-        let sizes = instances
-            .filter(|(_, instance)| instance.mesh == id)
-            .map(|(&id, _)| (id, UVec2::splat(texels)))
-            .collect();
-        let texels_per_metre = options.texels_per_metre;
-        sets.insert(id, SecondSet { set, sizes, texels_per_metre, gutter: 2.0 });
+        !stopped.load(Ordering::Relaxed)
+    };
+    let mut instances: BTreeMap<MeshId, Vec<InstanceId>> = BTreeMap::new();
+    for (&id, instance) in &imported.scene.instances {
+        instances.entry(instance.mesh).or_default().push(id);
     }
-    Ok(sets)
+    let skinned = facts::skinned_meshes(source);
+    // Largest first: the last one decides how long all take.
+    let mut order: Vec<_> = imported.scene.meshes.iter().collect();
+    order.sort_by_key(|(_, mesh)| std::cmp::Reverse(mesh.triangles.len()));
+    let sets: Vec<_> = order
+        .into_par_iter()
+        .map(|(&id, mesh)| {
+            let facts = Facts {
+                mesh,
+                vertices: imported.file_vertices.get(&id),
+                instances: instances
+                    .get(&id)
+                    .into_iter()
+                    .flatten()
+                    .filter_map(|id| Some((*id, imported.scene.instances.get(id)?.transform)))
+                    .collect(),
+                fixed: facts::textures_use_second_set(source, id),
+                floats: facts::second_set_is_float(source, id),
+                skinned: skinned.contains(&((id.0 >> 32) as usize)),
+            };
+            let set = go_on().then(|| decide::decide(&facts, options, cache, &go_on));
+            done.fetch_add(1, Ordering::Relaxed);
+            (id, set.flatten())
+        })
+        .collect();
+    let _ = go_on();
+    let sets: Option<BTreeMap<_, _>> = sets.into_iter().map(|(id, set)| Some((id, set?))).collect();
+    sets.filter(|_| !stopped.load(Ordering::Relaxed)).ok_or(Cancelled)
 }
 
 /// Puts second UV sets into the scene; meshes that get none lose theirs.
@@ -146,6 +181,7 @@ pub fn apply(imported: &mut ImportedScene, sets: &BTreeMap<MeshId, SecondSet>) {
             UvSet::Kept => {}
             UvSet::Cropped { unwrapped } | UvSet::Made { unwrapped, .. } => {
                 *mesh = Arc::new(unwrapped.apply(mesh));
+                imported.file_vertices.remove(id);
             }
             UvSet::None { .. } => Arc::make_mut(mesh).uv1.clear(),
         }

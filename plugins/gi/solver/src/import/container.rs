@@ -10,7 +10,7 @@ use std::{
 use gltf::json::{Index, Root, buffer};
 
 use super::{
-    ImportLimits, ImportOptions, ImportProblem,
+    ImportLimits, ImportOptions, ImportProblem, Package,
     error::{Warnings, shorten},
 };
 
@@ -60,6 +60,8 @@ pub(super) struct File<'a> {
     budget: RefCell<FileBudget>,
     /// Files beside it that were read.
     pub(super) read: RefCell<Vec<PathBuf>>,
+    /// Images with a URI that were read before.
+    package: Option<&'a Package>,
 }
 
 impl<'a> File<'a> {
@@ -71,6 +73,34 @@ impl<'a> File<'a> {
         warnings: &mut Warnings,
     ) -> Result<Self, ImportProblem> {
         let (json, bin) = split(bytes)?;
+        let mut file = Self::parse(json, folder, budget, options, warnings)?;
+        for index in 0..file.root.buffers.len() {
+            let data = file.buffer(index, bin)?;
+            file.buffers.push(data);
+        }
+        Ok(file)
+    }
+
+    /// A file whose parts were read before.
+    pub(super) fn of_package(
+        package: &'a Package,
+        options: &ImportOptions,
+        warnings: &mut Warnings,
+    ) -> Result<Self, ImportProblem> {
+        let budget = FileBudget::new(&options.limits);
+        let mut file = Self::parse(&package.json, None, budget, options, warnings)?;
+        file.buffers = package.buffers.iter().map(|data| Cow::from(data.as_slice())).collect();
+        file.package = Some(package);
+        Ok(file)
+    }
+
+    fn parse(
+        json: &'a [u8],
+        folder: Option<&Path>,
+        budget: FileBudget,
+        options: &ImportOptions,
+        warnings: &mut Warnings,
+    ) -> Result<Self, ImportProblem> {
         check_json_size(json, &options.limits)?;
         let root = Root::from_slice(json).map_err(|e| ImportProblem::NotGltf(e.to_string()))?;
         if !root.asset.version.starts_with("2.") {
@@ -80,19 +110,15 @@ impl<'a> File<'a> {
             )));
         }
         check_extensions(&root, warnings)?;
-        let mut file = Self {
+        Ok(Self {
             root,
             json,
             buffers: Vec::new(),
             folder: folder.map(Path::to_path_buf),
             budget: RefCell::new(budget),
             read: RefCell::default(),
-        };
-        for index in 0..file.root.buffers.len() {
-            let data = file.buffer(index, bin)?;
-            file.buffers.push(data);
-        }
-        Ok(file)
+            package: None,
+        })
     }
 
     fn buffer(&self, index: usize, bin: Option<&'a [u8]>) -> Result<Cow<'a, [u8]>, ImportProblem> {
@@ -113,8 +139,20 @@ impl<'a> File<'a> {
         Ok(data)
     }
 
+    /// The bytes of an image that has a URI.
+    pub(super) fn image(&self, index: usize, uri: &str) -> Result<Cow<'a, [u8]>, ImportProblem> {
+        let Some(package) = self.package else { return self.uri(uri).map(Cow::from) };
+        match package.images.get(index) {
+            Some(Some(bytes)) => Ok(bytes.as_slice().into()),
+            _ => Err(ImportProblem::External {
+                uri: shorten(uri),
+                what: "it could not be read".into(),
+            }),
+        }
+    }
+
     /// The bytes behind a data URI or a relative path.
-    pub(super) fn uri(&self, uri: &str) -> Result<Vec<u8>, ImportProblem> {
+    fn uri(&self, uri: &str) -> Result<Vec<u8>, ImportProblem> {
         let external = |what: String| ImportProblem::External { uri: shorten(uri), what };
         if let Some(data) = uri.strip_prefix("data:") {
             let Some((_, encoded)) = data.split_once(";base64,") else {

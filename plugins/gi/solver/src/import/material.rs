@@ -161,7 +161,7 @@ impl<'a> Materials<'a> {
             return Ok(None);
         }
         let decoded = match root.images.get(index) {
-            Some(image) => self.decode(image, srgb)?,
+            Some(image) => self.decode(index, image, srgb)?,
             None => Err("its image does not exist or has a format that is not supported".into()),
         };
         match decoded {
@@ -185,6 +185,7 @@ impl<'a> Materials<'a> {
     /// Outer error: stop. Inner error: this image is not usable.
     fn decode(
         &mut self,
+        index: usize,
         image: &json::Image,
         srgb: bool,
     ) -> Result<Result<Texture, String>, ImportProblem> {
@@ -194,10 +195,10 @@ impl<'a> Materials<'a> {
                 Ok((bytes, _)) => bytes,
                 Err(what) => return Ok(Err(what)),
             },
-            (None, Some(uri)) => match self.file.uri(uri) {
+            (None, Some(uri)) => match self.file.image(index, uri) {
                 Ok(bytes) => {
                     outside = bytes;
-                    outside.as_slice()
+                    &*outside
                 }
                 Err(limit @ ImportProblem::Limit { .. }) => return Err(limit),
                 Err(problem) => return Ok(Err(problem.to_string())),

@@ -137,8 +137,16 @@ fn load(
 ) -> Result<ImportedScene, ImportProblem> {
     let mut warnings = Warnings::default();
     let file = container::File::open(bytes, folder, budget, options, &mut warnings)?;
+    read(&file, options, warnings)
+}
+
+fn read(
+    file: &container::File<'_>,
+    options: &ImportOptions,
+    mut warnings: Warnings,
+) -> Result<ImportedScene, ImportProblem> {
     let mut imported = ImportedScene::default();
-    nodes::read(&file, options, &mut imported, &mut warnings)?;
+    nodes::read(file, options, &mut imported, &mut warnings)?;
     if imported.scene.instances.is_empty() {
         warnings.push(|| "the scene has no triangles".into());
     }

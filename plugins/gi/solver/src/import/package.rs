@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{
-    ImportError, ImportLimits, ImportOptions, ImportProblem,
+    ImportError, ImportLimits, ImportOptions, ImportProblem, ImportedScene,
     container::{File, FileBudget},
     error::{Warnings, label},
 };
@@ -52,6 +52,26 @@ impl Package {
             .map_err(|problem| ImportError { file: "glTF data in memory".into(), problem })
     }
 
+    /// The scene of the file, as it was when it was read.
+    ///
+    /// # Errors
+    /// As [`load_scene`](super::load_scene).
+    pub fn scene(&self, options: &ImportOptions) -> Result<ImportedScene, ImportError> {
+        let mut warnings = Warnings::default();
+        File::of_package(self, options, &mut warnings)
+            .and_then(|file| super::read(&file, options, warnings))
+            .map_err(|problem| ImportError { file: self.name(), problem })
+    }
+
+    /// The file's path, or `glTF data in memory`.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match self.files.first() {
+            Some(path) => path.display().to_string(),
+            None => "glTF data in memory".into(),
+        }
+    }
+
     fn read(
         bytes: &[u8],
         folder: Option<&Path>,
@@ -65,8 +85,8 @@ impl Package {
         let mut images = Vec::with_capacity(file.root.images.len());
         for (i, image) in file.root.images.iter().enumerate() {
             images.push(match &image.uri {
-                Some(uri) if image.buffer_view.is_none() => match file.uri(uri) {
-                    Ok(bytes) => Some(bytes),
+                Some(uri) if image.buffer_view.is_none() => match file.image(i, uri) {
+                    Ok(bytes) => Some(bytes.into_owned()),
                     Err(limit @ ImportProblem::Limit { .. }) => return Err(limit),
                     Err(problem) => {
                         let name = label("image", i, image.name.as_deref());

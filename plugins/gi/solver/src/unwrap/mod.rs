@@ -26,24 +26,37 @@
 mod charts;
 mod check;
 mod generate;
+mod measure;
 mod raster;
 
 use std::time::{Duration, Instant};
 
-use glam::Vec2;
+use glam::{UVec2, Vec2};
 use thiserror::Error;
 
 pub use charts::charts;
 pub use check::{UvProblem, check_uv1};
+pub use measure::{Density, coverage, density, gutter};
 
 use crate::scene::{Mesh, MeshProblem};
 
 /// How to check and make second UV sets.
 #[derive(Clone, Debug)]
 pub struct UnwrapOptions {
-    /// Texels along an edge of the square that the mesh will get in a lightmap: charts are kept two
-    /// texels of this size apart, and one from the border, where they are few enough for that.
+    /// Texels along an edge of the square that the mesh will get in a lightmap: charts are kept
+    /// [`padding`](Self::padding) texels of this size apart, and half of that from the border, where
+    /// they are few enough for that. With a [`density`](Self::density) the most texels along an edge.
     pub texels: u32,
+    /// Texels a unit of length of the mesh. Then the charts fill a rectangle of the texels that they
+    /// need ([`Unwrapped::size`]); if an edge would be longer than [`texels`](Self::texels), the density
+    /// is as large as possible.
+    pub density: Option<f32>,
+    /// Texels between charts: bilinear lookups need 2, each mip level doubles that. Rounded up to an even
+    /// number.
+    pub padding: u32,
+    /// Largest ratio of a triangle's share of its chart's texels to its share of the chart's surface,
+    /// either way, above 1. Charts that exceed it are split.
+    pub distortion: f32,
     /// Edges whose faces meet at a larger angle (radians) are always chart borders.
     pub hard_angle: f32,
     /// So are edges at which the shading normals are split and the faces meet at a larger angle than
@@ -61,6 +74,9 @@ impl Default for UnwrapOptions {
     fn default() -> Self {
         Self {
             texels: 64,
+            density: None,
+            padding: 2,
+            distortion: 4.0,
             hard_angle: 60_f32.to_radians(),
             split_angle: 35_f32.to_radians(),
             chart_angle: 60_f32.to_radians(),
@@ -124,9 +140,12 @@ pub struct Unwrapped {
     pub charts: Vec<u32>,
     /// Why the mesh's own set was not kept; `None` if it was.
     pub made: Option<UvProblem>,
-    /// Texels ([`UnwrapOptions::texels`]) between neighbouring charts: 2 unless there are so many
-    /// charts that the gutters had to shrink. Not measured (infinite) for a set that was kept.
+    /// Texels ([`UnwrapOptions::texels`]) between neighbouring charts: the padding that was asked for,
+    /// unless there are so many charts that the gutters had to shrink. Not measured (infinite) for a set
+    /// that was kept.
     pub gutter: f32,
+    /// Edges in texels of what the square 0..1 should get. Zero for a set that was kept.
+    pub size: UVec2,
 }
 
 impl Unwrapped {
@@ -145,6 +164,57 @@ impl Unwrapped {
             uv0: pick(&mesh.uv0, &self.source),
             uv1: self.uv1.clone(),
             triangles: self.triangles.clone(),
+        }
+    }
+}
+
+/// Makes a second UV set, whatever the mesh has. With `repack` the charts of its own set are kept where
+/// they are usable, and only scaled to even density and packed anew.
+///
+/// # Errors
+/// As [`ensure_uv1_with`].
+pub fn make_uv1(
+    mesh: &Mesh,
+    options: &UnwrapOptions,
+    repack: bool,
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Unwrapped, UnwrapError> {
+    mesh.validate()?;
+    let clock = Clock::start(options, go_on);
+    let triangles = mesh.triangles.len();
+    let limit = options.max_triangles;
+    if triangles > limit {
+        return Err(UnwrapError::TooManyTriangles { triangles, limit });
+    }
+    generate::generate(mesh, options, repack, &|| clock.go_on())
+        .map_err(|error| error.unwrap_or_else(|| clock.stopped()))
+}
+
+/// Until when to work.
+struct Clock<'a> {
+    start: Instant,
+    limit: Duration,
+    go_on: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl<'a> Clock<'a> {
+    fn start(options: &UnwrapOptions, go_on: &'a (dyn Fn() -> bool + Sync)) -> Self {
+        Self { start: Instant::now(), limit: options.max_time, go_on }
+    }
+
+    fn in_time(&self) -> bool {
+        self.start.elapsed() < self.limit
+    }
+
+    fn go_on(&self) -> bool {
+        (self.go_on)() && self.in_time()
+    }
+
+    /// Why it was stopped.
+    fn stopped(&self) -> UnwrapError {
+        match self.in_time() {
+            true => UnwrapError::Cancelled,
+            false => UnwrapError::TooSlow { seconds: self.limit.as_secs_f32() },
         }
     }
 }
@@ -168,14 +238,9 @@ pub fn ensure_uv1_with(
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Unwrapped, UnwrapError> {
     mesh.validate()?;
-    let start = Instant::now();
-    let in_time = || start.elapsed() < options.max_time;
-    let go_on_in_time = || go_on() && in_time();
-    let stopped = || match in_time() {
-        true => UnwrapError::Cancelled,
-        false => UnwrapError::TooSlow { seconds: options.max_time.as_secs_f32() },
-    };
-    match check::check_while(mesh, check::RESOLUTION, &go_on_in_time).ok_or_else(stopped)? {
+    let clock = Clock::start(options, go_on);
+    let problem = check::check_while(mesh, check::RESOLUTION, &|| clock.go_on());
+    match problem.ok_or_else(|| clock.stopped())? {
         None => Ok(Unwrapped {
             source: (0..mesh.positions.len() as u32).collect(),
             triangles: mesh.triangles.clone(),
@@ -183,15 +248,10 @@ pub fn ensure_uv1_with(
             charts: charts(mesh),
             made: None,
             gutter: f32::INFINITY,
+            size: UVec2::ZERO,
         }),
         Some(problem) => {
-            let triangles = mesh.triangles.len();
-            let limit = options.max_triangles;
-            if triangles > limit {
-                return Err(UnwrapError::TooManyTriangles { triangles, limit });
-            }
-            let mut unwrapped = generate::generate(mesh, options, &go_on_in_time)
-                .map_err(|error| error.unwrap_or_else(stopped))?;
+            let mut unwrapped = make_uv1(mesh, options, false, go_on)?;
             unwrapped.made = Some(problem);
             Ok(unwrapped)
         }

@@ -1,0 +1,7 @@
+//! glTF in, glTF out.
+
+mod check;
+mod fuzz;
+mod glb;
+mod sets;
+mod whole;
