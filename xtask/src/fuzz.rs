@@ -1,5 +1,5 @@
 //! `cargo xtask fuzz`: damaged and random input for every decoder of the wire and every reader of
-//! materials, environment maps, bindings and recordings, as long as one likes.
+//! materials, environment maps, bindings, recordings and baked lighting, as long as one likes.
 
 use crate::args::Args;
 use crate::{Failure, process};
@@ -8,10 +8,11 @@ pub(crate) const HELP: &str = "\
 cargo xtask fuzz [--seconds N] [--seed N] [TARGET]
 
 Feeds damaged, random and lying input to the decoders and sessions of remote lighting, and what they
-accept to a solver; also to the readers of measured materials, of environment maps, of input bindings
-and of recordings of actions, and uses what they accept.
-Nothing may panic, take more memory than the limits say, or change when it is sent on. The stable toolchain is enough: inputs are mutations of valid ones, without feedback from
-the code that they reach. The tests run every target briefly; this runs each for N seconds.
+accept to a solver; also to the readers of measured materials, of environment maps, of input bindings,
+of recordings of actions and of baked lighting, and uses what they accept.
+Nothing may panic, take more memory than the limits say, or change when it is sent on. The stable
+toolchain is enough: inputs are mutations of valid ones, without feedback from the code that they reach.
+The tests run every target briefly; this runs each for N seconds.
 
   --seconds N   time for every target (default 60)
   --seed N      other inputs (default 1)
@@ -21,6 +22,7 @@ the code that they reach. The tests run every target briefly; this runs each for
                 material_own material_binary material_text material_archive material_list
                 environment_radiance environment_openexr environment_ktx2 environment_screen
                 bindings_file bindings_defaults bindings_text recording
+                baked_manifest baked_ktx2 baked_exr
 
 An input that fails is printed in hexadecimal, with its seed and number.
 ";
@@ -34,6 +36,7 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
     cargo
         .args(["test", "--package", "farlight_wire", "--package", "farlight_btf_codec"])
         .args(["--package", "farlight_environment", "--package", "farlight_bindings"])
+        .args(["--package", "farlight_baked_format"])
         .args(["--lib", "--test", "fuzz", "--"])
         .args([&format!("fuzz_{target}"), "--nocapture", "--test-threads=1"])
         .env("FARLIGHT_FUZZ_SECONDS", seconds.to_string())

@@ -1,5 +1,7 @@
 //! `farlight check`: configuration files.
 
+mod baked;
+
 use std::path::{Path, PathBuf};
 
 use farlight_gi_solver::settings::GiSettings;
@@ -14,8 +16,8 @@ use crate::{
 /// Check a configuration file
 ///
 /// The name of the file's outer struct tells what it is: ControlsSettings(...) holds input bindings,
-/// GiSettings(...) the settings of global illumination, ServerSettings(...) those of a lighting server.
-/// Unknown fields, values of the wrong type and values out of range are errors that name the file, the
+/// GiSettings(...) the settings of global illumination, ServerSettings(...) those of a lighting server,
+/// BakedManifest(...) baked lighting, whose pages and volumes are looked at too. Unknown fields, values of the wrong type and values out of range are errors that name the file, the
 /// line and the field.
 ///
 /// Of bindings, inputs that do two things at once are warnings, on every device. A game adds actions of
@@ -41,7 +43,8 @@ struct Asked<'a> {
 }
 
 /// What can be checked: the outer name, and how.
-const KINDS: [(&str, fn(&Path, &str, Asked) -> Result<(), CliError>); 3] = [
+const KINDS: [(&str, fn(&Path, &str, Asked) -> Result<(), CliError>); 4] = [
+    ("BakedManifest", |path, text, _| baked::check(path, text)),
     ("ControlsSettings", |path, text, asked| controls::check(path, text, asked.game, asked.strict)),
     ("GiSettings", |path, text, _| gi_settings(path, text)),
     ("ServerSettings", |path, text, _| server_settings(path, text).map(drop)),
@@ -172,7 +175,8 @@ mod tests {
         let error = result("\n\nSkySettings()").unwrap_err();
         assert_eq!(
             error,
-            "gi.ron:3: unknown kind SkySettings; known: ControlsSettings, GiSettings, ServerSettings"
+            "gi.ron:3: unknown kind SkySettings; known: BakedManifest, ControlsSettings, GiSettings, \
+             ServerSettings"
         );
         let error = result("(bounces: 4)").unwrap_err();
         assert!(error.starts_with("gi.ron:1:") && error.contains("GiSettings"), "{error}");
