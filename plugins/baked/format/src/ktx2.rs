@@ -2,6 +2,11 @@
 //!
 //! Khronos, *KTX File Format Specification*, version 2.0. Bevy reads both kinds with its features
 //! `ktx2` and `zstd_rust`.
+//!
+//! The compressor is ruzstd's fastest, its only one: pure Rust, and half a second a page of 1024 x
+//! 1024. Files of two such pages were 792 and 962 KB; libzstd at level 3 made 691 and 727 KB of them, at
+//! level 19 686 and 688 KB. BC6H would need a byte a texel on the graphics card instead of four, but phones
+//! and most headsets don't have it.
 
 use std::io::Read;
 
