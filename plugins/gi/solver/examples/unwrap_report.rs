@@ -33,9 +33,13 @@ fn main() {
         hard_angle: option("hard_angle", defaults.hard_angle.to_degrees()).to_radians(),
         split_angle: option("split_angle", defaults.split_angle.to_degrees()).to_radians(),
         chart_angle: option("chart_angle", defaults.chart_angle.to_degrees()).to_radians(),
+        thorough: option("thorough", 0.0) > 0.0,
         ..defaults
     };
-    println!("mesh: triangles charts, texels a metre p05 p50 p95, coverage, gutter, size, seconds");
+    println!(
+        "{arguments:?}\nmesh: triangles charts, texels a metre p05 p50 p95, coverage, gutter, size, seconds"
+    );
+    let (mut meshes, mut in_use, mut rectangles) = (0, 0.0, 0.0);
     for (id, mesh) in &scene.meshes {
         let start = Instant::now();
         let made = match make_uv1(mesh, &options, false, &|| true) {
@@ -46,6 +50,9 @@ fn main() {
             }
         };
         let seconds = start.elapsed().as_secs_f32();
+        rectangles += made.size.as_dvec2().element_product();
+        in_use += f64::from(coverage(&made.apply(mesh))) * made.size.as_dvec2().element_product();
+        meshes += 1;
         let own = charts(mesh);
         let made_mesh = made.apply(mesh);
         for (name, mesh, charts, size) in [
@@ -71,4 +78,8 @@ fn main() {
             );
         }
     }
+    println!(
+        "all: {meshes} meshes, {rectangles} texels, {:.1} % covered",
+        in_use / rectangles * 100.0
+    );
 }

@@ -7,7 +7,8 @@ use farlight_gi_solver::{
     import::{ImportOptions, load_scene},
     scene::{Mesh, MeshProblem},
     unwrap::{
-        UnwrapError, UnwrapOptions, Unwrapped, UvProblem, check_uv1, ensure_uv1, ensure_uv1_with,
+        UnwrapError, UnwrapOptions, Unwrapped, UvProblem, check_uv1, coverage, density, ensure_uv1,
+        ensure_uv1_with, gutter, make_uv1,
     },
 };
 use glam::{Vec2, Vec3};
@@ -33,7 +34,9 @@ fn sphere(n: u32) -> Mesh {
                 std::f32::consts::PI * i as f32 / n as f32,
                 std::f32::consts::PI * (j % (2 * n)) as f32 / n as f32,
             );
-            let p = Vec3::new(theta.sin() * phi.sin(), theta.cos(), theta.sin() * phi.cos());
+            // All vertices of a pole are at one place.
+            let ring = if i % n == 0 { 0.0 } else { theta.sin() };
+            let p = Vec3::new(ring * phi.sin(), theta.cos(), ring * phi.cos());
             mesh.positions.push(p);
             mesh.normals.push(p.normalize());
         }
@@ -154,6 +157,87 @@ fn more_charts_than_texels_shrink_the_gutters_and_say_so() {
     assert!(unwrapped.gutter < 1.0, "{}", unwrapped.gutter);
 }
 
+/// A bent sheet of `n` x `n` quads with a front and a back at the same place.
+fn curtain(n: u32) -> Mesh {
+    let mut mesh = Mesh::default();
+    for j in 0..=n {
+        for i in 0..=n {
+            let [u, v] = [i, j].map(|k| k as f32 / n as f32);
+            mesh.positions.push(Vec3::new(u, v, 0.1 * (9.0 * u).sin()));
+        }
+    }
+    for j in 0..n {
+        for i in 0..n {
+            let a = j * (n + 1) + i;
+            let [b, c, d] = [a + 1, a + n + 2, a + n + 1];
+            mesh.triangles.extend([[a, b, c], [a, c, d], [a, c, b], [a, d, c]]);
+        }
+    }
+    mesh
+}
+
+#[test]
+fn texels_a_metre_are_what_was_asked_for_everywhere() {
+    for (mesh, name) in [
+        (cuboid(Vec3::new(3.0, 2.0, 1.0)), "box"),
+        (sphere(24), "sphere"),
+        (curtain(20), "curtain"),
+    ] {
+        for padding in [2, 6] {
+            let options =
+                UnwrapOptions { density: Some(40.0), padding, distortion: 1.5, ..texels(1024) };
+            let unwrapped = ensure_uv1(&mesh, &options).unwrap();
+            let new = checked(&mesh, &unwrapped);
+            let size = unwrapped.size;
+            let found = density(&new, size);
+            let even = |d: f32| (d / 40.0 - 1.0).abs() < 0.1;
+            assert!(even(found.p05) && even(found.p50) && even(found.p95), "{name}: {found:?}");
+            let apart = gutter(&new, &unwrapped.charts, size, 8.0);
+            assert!(apart >= padding as f32 - 0.01, "{name}: {apart} texels between charts");
+            assert_eq!(unwrapped.gutter, padding as f32);
+            if padding == 2 {
+                assert!(coverage(&new) > 0.5, "{name}: {}", coverage(&new));
+            }
+        }
+        // Where that is too much, as many as there may be.
+        let options = UnwrapOptions { density: Some(1e6), ..texels(64) };
+        let unwrapped = ensure_uv1(&mesh, &options).unwrap();
+        assert!((60..=64).contains(&unwrapped.size.max_element()), "{}", unwrapped.size);
+        checked(&mesh, &unwrapped);
+    }
+}
+
+#[test]
+fn fronts_and_backs_at_one_place_are_two_charts() {
+    let mesh = curtain(20);
+    let unwrapped = ensure_uv1(&mesh, &texels(128)).unwrap();
+    checked(&mesh, &unwrapped);
+    let charts = unwrapped.charts.iter().max().unwrap() + 1;
+    assert!((2..=6).contains(&charts), "{charts}");
+    for (t, pair) in unwrapped.charts.chunks(4).enumerate() {
+        assert!(pair[0] != pair[2] && pair[1] != pair[3], "quad {t}: {pair:?}");
+    }
+}
+
+#[test]
+fn charts_of_a_set_are_packed_anew_as_they_are() {
+    let mesh = cuboid(Vec3::new(3.0, 2.0, 1.0));
+    let mut uneven = checked(&mesh, &ensure_uv1(&mesh, &texels(64)).unwrap());
+    // The first chart gets a tenth of the texels an edge.
+    let first: HashSet<u32> = uneven.triangles[..2].as_flattened().iter().copied().collect();
+    let anchor = uneven.uv1[uneven.triangles[0][0] as usize];
+    for i in first {
+        let uv = &mut uneven.uv1[i as usize];
+        *uv = anchor + (*uv - anchor) * 0.1;
+    }
+    let options = UnwrapOptions { density: Some(20.0), ..texels(512) };
+    let unwrapped = make_uv1(&uneven, &options, true, &|| true).unwrap();
+    let new = checked(&uneven, &unwrapped);
+    assert_eq!(unwrapped.charts.iter().max(), Some(&5));
+    assert!(density(&new, unwrapped.size).spread() < 1.01);
+    assert!(gutter(&new, &unwrapped.charts, unwrapped.size, 4.0) >= 1.99);
+}
+
 #[test]
 fn the_result_is_the_same_every_time() {
     let mesh = sphere(12);
@@ -217,7 +301,11 @@ fn a_real_interior_is_unwrapped_without_overlaps() {
         let start = std::time::Instant::now();
         let unwrapped = ensure_uv1(mesh, &texels(256)).unwrap();
         let time = start.elapsed();
-        checked(mesh, &unwrapped);
+        let new = checked(mesh, &unwrapped);
+        let spread = density(&new, unwrapped.size).spread();
+        assert!(spread < 1.1, "{id:?}: {spread}");
+        let apart = gutter(&new, &unwrapped.charts, unwrapped.size, 3.0);
+        assert!(apart >= unwrapped.gutter * 0.95, "{id:?}: {apart} of {}", unwrapped.gutter);
         println!(
             "{id:?}: {} triangles, {} charts, gutter {}, {time:?}",
             mesh.triangles.len(),

@@ -180,6 +180,7 @@ impl Work<'_> {
             density: Some(self.texels_per_metre()),
             padding: padding.ceil() as u32,
             distortion: 1.5,
+            thorough: true,
             max_time: std::time::Duration::from_secs(600),
             ..Default::default()
         };

@@ -5,9 +5,11 @@ use std::collections::HashMap;
 use glam::{UVec2, Vec2, Vec3};
 use uvunwrap::{Atlas, Density, MeshInput, Options, Packing};
 
-use super::{UnwrapError, UnwrapOptions, Unwrapped, charts, charts::Sets};
+use super::{UnwrapError, UnwrapOptions, Unwrapped, charts, surface::Surface};
 use crate::scene::Mesh;
 
+/// Meshes with more triangles are unwrapped in one way only, and packed in the faster one of two ways.
+const LARGE: usize = 20_000;
 /// Largest square that is tried.
 const MAX_PAGE: u32 = 4096;
 
@@ -19,15 +21,23 @@ pub(super) fn generate(
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Unwrapped, Option<UnwrapError>> {
     let (positions, extent) = normalized(mesh)?;
-    let (seams, pieces) = seams(mesh, &positions, options);
+    let surface = Surface::new(mesh, &positions, options);
+    let pieces = surface.pieces;
     let repack = repack && mesh.uv1.len() == mesh.positions.len();
     let own: Vec<[f32; 2]> = mesh.uv1.iter().map(|uv| uv.to_array()).collect();
-    let input = MeshInput {
-        seams: (!repack).then_some(&seams),
-        existing_uvs: repack.then_some(own.as_slice()),
-        ..MeshInput::new(&positions, mesh.triangles.as_flattened())
+    let seams = Some(surface.seams.as_slice());
+    let joined = MeshInput { seams, ..MeshInput::new(&surface.positions, &surface.corners) };
+    // Vertices that are split (for textures, for flat faces) are seams here.
+    let split = MeshInput { seams, ..MeshInput::new(&positions, mesh.triangles.as_flattened()) };
+    let inputs = if repack {
+        // Charts are as the set says, with the vertices that it has.
+        vec![MeshInput { seams: None, existing_uvs: Some(own.as_slice()), ..split }]
+    } else if mesh.triangles.len() > LARGE || positions.len() == surface.positions.len() {
+        vec![joined]
+    } else {
+        vec![joined, split]
     };
-    let work = Work { input, options, go_on };
+    let work = Work { inputs, options, go_on };
     let texels = options.texels.clamp(8, MAX_PAGE);
     let (atlas, page) = match options.density.map(|density| density * extent) {
         Some(density) => match work.at_density(mesh, density, extent, texels)? {
@@ -50,13 +60,24 @@ pub(super) fn generate(
         size = (size * texels / page).max(UVec2::ONE);
     }
     let mut unwrapped = Unwrapped {
-        source: out.vertices.iter().map(|v| v.xref).collect(),
-        triangles: out.indices.as_chunks::<3>().0.to_vec(),
-        uv1: out.vertices.iter().map(|v| Vec2::from(v.uv) * stretch).collect(),
         gutter: (2 * work.padding()) as f32 * texels as f32 / page as f32,
         size,
         ..Default::default()
     };
+    // A vertex of the mesh for each place in the square that it has.
+    let mut made = HashMap::with_capacity(out.vertices.len());
+    let corners = mesh.triangles.as_flattened().iter().zip(&out.indices);
+    let indices: Vec<u32> = corners
+        .map(|(&vertex, &corner)| {
+            *made.entry((vertex, corner)).or_insert_with(|| {
+                unwrapped.source.push(vertex);
+                let uv = out.vertices.get(corner as usize).map_or([0.0; 2], |v| v.uv);
+                unwrapped.uv1.push(Vec2::from(uv) * stretch);
+                unwrapped.source.len() as u32 - 1
+            })
+        })
+        .collect();
+    unwrapped.triangles = indices.as_chunks::<3>().0.to_vec();
     unwrapped.charts = charts(&Mesh {
         positions: unwrapped.source.iter().map(|&i| mesh.positions[i as usize]).collect(),
         uv1: unwrapped.uv1.clone(),
@@ -67,7 +88,8 @@ pub(super) fn generate(
 }
 
 struct Work<'a> {
-    input: MeshInput<'a>,
+    /// What may be unwrapped: the best is taken.
+    inputs: Vec<MeshInput<'a>>,
     options: &'a UnwrapOptions,
     go_on: &'a (dyn Fn() -> bool + Sync),
 }
@@ -125,8 +147,28 @@ impl Work<'_> {
         }
     }
 
+    /// The result that needs the fewest texels, the first unless another is clearly better.
     fn run(&self, density: Density) -> Result<Atlas, Option<UnwrapError>> {
-        let fast = self.input.indices.len() > 3 * 20_000;
+        let mut best: Option<(f64, Atlas)> = None;
+        for input in &self.inputs {
+            let atlas = self.run_one(input, density)?;
+            let texels = match density {
+                Density::Fixed { .. } => f64::from(atlas.width) * f64::from(atlas.height),
+                _ => f64::from(atlas.page_count) / f64::from(atlas.texels_per_unit).powi(2),
+            };
+            if best.as_ref().is_none_or(|(least, _)| texels < 0.97 * least) {
+                best = Some((texels, atlas));
+            }
+        }
+        best.map(|(_, atlas)| atlas).ok_or(None)
+    }
+
+    fn run_one(
+        &self,
+        input: &MeshInput<'_>,
+        density: Density,
+    ) -> Result<Atlas, Option<UnwrapError>> {
+        let fast = input.indices.len() > 3 * LARGE && !self.options.thorough;
         let options = Options {
             max_chart_angle: self.options.chart_angle.to_degrees().clamp(1.0, 89.0),
             max_area_distortion: self.options.distortion.max(1.0),
@@ -135,12 +177,12 @@ impl Work<'_> {
             packing: if fast { Packing::Fast } else { Packing::Shape },
             ..Options::default()
         };
-        uvunwrap::generate_with_progress(&[self.input], &options, |_| (self.go_on)()).map_err(
-            |error| match error {
+        uvunwrap::generate_with_progress(&[*input], &options, |_| (self.go_on)()).map_err(|error| {
+            match error {
                 uvunwrap::Error::Cancelled => None,
                 other => Some(UnwrapError::Failed(other.to_string())),
-            },
-        )
+            }
+        })
     }
 }
 
@@ -158,75 +200,4 @@ fn normalized(mesh: &Mesh) -> Result<(Vec<[f32; 3]>, f32), UnwrapError> {
     // Adding 0 turns -0 into 0: vertices are welded by their bits.
     let positions = mesh.positions.iter().map(|&p| ((p - low) / extent + 0.0).to_array());
     Ok((positions.collect(), extent))
-}
-
-/// The edges that charts must not cross: sharp ones, those where smooth shading ends, and those of
-/// more than two faces. Also the number of pieces into which they cut the surface.
-fn seams(mesh: &Mesh, positions: &[[f32; 3]], options: &UnwrapOptions) -> (Vec<[bool; 3]>, u32) {
-    let mut ids = HashMap::with_capacity(positions.len());
-    let welded: Vec<u32> = positions
-        .iter()
-        .map(|p| {
-            let next = ids.len() as u32;
-            *ids.entry(p.map(f32::to_bits)).or_insert(next)
-        })
-        .collect();
-    let normals: Vec<Vec3> = mesh
-        .triangles
-        .iter()
-        .map(|t| {
-            let [a, b, c] = t.map(|i| Vec3::from(positions[i as usize]));
-            (b - a).cross(c - a).normalize_or_zero()
-        })
-        .collect();
-    let (hard, split) = (options.hard_angle.cos(), options.split_angle.cos());
-    let mut seams = vec![[false; 3]; mesh.triangles.len()];
-    let mut sets = Sets::new(mesh.triangles.len());
-    // The first face at an edge, and how many there are.
-    let mut edges: HashMap<[u32; 2], (u32, u8, u32)> =
-        HashMap::with_capacity(mesh.triangles.len() * 2);
-    for (t, triangle) in mesh.triangles.iter().enumerate() {
-        for k in 0..3 {
-            let ends = [triangle[k], triangle[(k + 1) % 3]];
-            let [a, b] = ends.map(|i| welded[i as usize]);
-            let entry = edges.entry([a.min(b), a.max(b)]).or_insert((t as u32, k as u8, 0));
-            entry.2 += 1;
-            let (first, first_k, faces) = *entry;
-            if faces == 1 {
-                continue;
-            }
-            let cos = normals[t].dot(normals[first as usize]);
-            // A face without an area has no angle.
-            let flat = normals[t] == Vec3::ZERO || normals[first as usize] == Vec3::ZERO;
-            let sharp = cos < hard || (cos < split && normals_differ(mesh, t, k, first, first_k));
-            if faces > 2 || (sharp && !flat) {
-                seams[t][k] = true;
-                seams[first as usize][first_k as usize] = true;
-            } else {
-                sets.join(first, t as u32);
-            }
-        }
-    }
-    (seams, sets.count())
-}
-
-/// Whether shading normals at an edge's ends depend on the face.
-fn normals_differ(mesh: &Mesh, t: usize, k: usize, other: u32, other_k: u8) -> bool {
-    if mesh.normals.is_empty() {
-        // Then shading is flat.
-        return true;
-    }
-    let ends = |t: usize, k: usize| {
-        let triangle = mesh.triangles[t];
-        [triangle[k], triangle[(k + 1) % 3]]
-    };
-    let ([a, b], [c, d]) = (ends(t, k), ends(other as usize, other_k as usize));
-    // Neighbours usually run along their common edge in opposite directions.
-    let same_place = mesh.positions[a as usize] == mesh.positions[c as usize];
-    let (c, d) = if same_place { (c, d) } else { (d, c) };
-    let differ = |i: u32, j: u32| {
-        let [n, m] = [i, j].map(|i| mesh.normals[i as usize].normalize_or_zero());
-        i != j && n.dot(m) < 0.97
-    };
-    differ(a, c) || differ(b, d)
 }

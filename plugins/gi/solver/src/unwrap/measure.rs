@@ -119,13 +119,17 @@ fn borders(mesh: &Mesh, charts: &[u32], size: DVec2) -> Vec<Border> {
         (chart, ends)
     };
     let sides = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
-    for (triangle, &chart) in mesh.triangles.iter().zip(charts) {
+    // Triangles without an area in the square cover no texel.
+    let area =
+        |t: &[u32; 3]| uvs(mesh, *t, size).is_some_and(|[a, b, c]| (b - a).perp_dot(c - a) != 0.0);
+    let shown = || mesh.triangles.iter().zip(charts).filter(|(triangle, _)| area(triangle));
+    for (triangle, &chart) in shown() {
         for ends in sides(triangle) {
             *edges.entry(key(chart, ends)).or_insert(0) += 1;
         }
     }
     let mut borders = Vec::new();
-    for (triangle, &chart) in mesh.triangles.iter().zip(charts) {
+    for (triangle, &chart) in shown() {
         for ends in sides(triangle) {
             if edges.get(&key(chart, ends)) == Some(&1) {
                 let ends = ends.map(|i| mesh.uv1[i as usize].as_dvec2() * size);
