@@ -1,8 +1,8 @@
 //! Second UV sets for lightmaps: checked, or made.
 //!
 //! A lightmap needs a second UV set that is complete, lies in the unit square and covers no texel
-//! twice. [`ensure_uv1`] keeps a set that does and makes one otherwise, with the crate `uvunwrap`:
-//! charts grow within a normal cone and stop at hard edges, are flattened (least squares conformal
+//! twice. [`ensure_uv1`] keeps a set that does and makes one otherwise, with the crate `uvunwrap`.
+//! Vertices at one place are joined, each sheet of the surface by itself; charts grow within a normal cone and stop at hard edges, are flattened (least squares conformal
 //! maps, then as-rigid-as-possible), and packed with gutters for the resolution that the mesh will
 //! get. Vertices on chart borders are split: [`Unwrapped::source`] says where each came from, and
 //! triangles keep their order.
@@ -68,7 +68,8 @@ pub struct UnwrapOptions {
     /// Pack charts of large meshes by their shapes too: a tenth more texels a metre, in several times the
     /// time.
     pub thorough: bool,
-    /// Refuse to unwrap meshes with more triangles: it takes about 40 µs and 1 kB a triangle.
+    /// Refuse to unwrap meshes with more triangles: it takes about 80 µs and 1 kB a triangle, twice
+    /// that for small ones, which are unwrapped in two ways, of which the better is taken.
     pub max_triangles: usize,
     /// Give up after this time.
     pub max_time: Duration,
