@@ -2,10 +2,11 @@
 //!
 //! A lightmap needs a second UV set that is complete, lies in the unit square and covers no texel
 //! twice. [`ensure_uv1`] keeps a set that does and makes one otherwise, with the crate `uvunwrap`.
-//! Vertices at one place are joined, each sheet of the surface by itself; charts grow within a normal cone and stop at hard edges, are flattened (least squares conformal
-//! maps, then as-rigid-as-possible), and packed with gutters for the resolution that the mesh will
-//! get. Vertices on chart borders are split: [`Unwrapped::source`] says where each came from, and
-//! triangles keep their order.
+//! Vertices at one place are joined, each sheet of the surface by itself; charts grow within a normal
+//! cone and stop at hard edges, are flattened (least squares conformal maps, then as-rigid-as-possible),
+//! and packed with gutters for the resolution that the mesh will get. Vertices on chart borders are split:
+//! [`Unwrapped::source`] says where each came from, and triangles keep their order. [`density`],
+//! [`gutter`] and [`coverage`] measure what came out.
 //!
 //! ```
 //! use farlight_gi_solver::{scene::Mesh, unwrap::{UnwrapOptions, ensure_uv1}};
