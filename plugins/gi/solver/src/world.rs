@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 use crate::{
     Hit, Scene, Tracer,
@@ -33,6 +33,8 @@ pub struct WorldInstance {
     pub mesh: Arc<Mesh>,
     /// Its material.
     pub material: Material,
+    /// From the mesh's space to the world.
+    pub transform: Affine3A,
     /// Index of its first triangle in the world; the others follow in the mesh's order.
     pub first_triangle: u32,
     base_color_texture: Option<Arc<Texture>>,
@@ -105,6 +107,7 @@ impl World {
                 base_color_texture: material.base_color_texture.and_then(texture),
                 emissive_texture: material.emissive_texture.and_then(texture),
                 material,
+                transform: instance.transform,
                 first_triangle,
             });
         }

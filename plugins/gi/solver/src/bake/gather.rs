@@ -1,19 +1,23 @@
 //! Passes of gather rays.
 
-use std::f32::consts::PI;
-
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::Layout;
+use super::{
+    DirectLight, Layout, cells::Cells, direct::direct_by, field::Field, links, lobe::Bent,
+    map::TexelMap, sources::Sources,
+};
 use crate::{
     World,
     estimate::Progress,
     path::PathTracer,
-    receiver::Receiver,
     sampling::{PathSampler, hash_pair},
     scene::DirectSky,
+    visibility::offset_origin,
 };
+
+/// Texels darker than this part of the brightest don't count where errors are relative.
+const DARK: f32 = 1e-3;
 
 /// How to gather.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,14 +35,14 @@ pub struct GathererSettings {
 pub struct Gathered {
     /// Rays a texel; even.
     pub rays: u32,
-    /// Sums of irradiance over the first and the second half of every pass's rays.
+    /// Sums of irradiance, each over half of the rays. The halves are independent of each other: their
+    /// difference tells the noise.
     pub halves: [Vec<Vec3>; 2],
 }
 
 /// Gathers light for the texels of a layout.
 pub struct Gatherer<'a> {
-    tracer: PathTracer<'a>,
-    layout: &'a Layout,
+    pub(super) field: Field<'a>,
     settings: GathererSettings,
 }
 
@@ -71,7 +75,24 @@ impl<'a> Gatherer<'a> {
         settings: GathererSettings,
         progress: Progress<'_>,
     ) -> Option<Self> {
-        progress(0).is_continue().then(|| Self { tracer: PathTracer::new(world), layout, settings })
+        let lights: Vec<_> =
+            world.lights.iter().map(|&light| DirectLight { light, radius: 0.0 }).collect();
+        let map = TexelMap::new(world, layout);
+        let direct = direct_by(&map, world, layout, &lights, &|_| progress(0))?;
+        let (rays, edge) = links::resolution(layout.len());
+        let mut field = Field {
+            tracer: PathTracer::new(world),
+            layout,
+            map,
+            cells: Cells::new(world, layout, edge),
+            bounces: if settings.bounces == 0 { u32::MAX } else { settings.bounces },
+            direct,
+            levels: Vec::new(),
+            leaving: Vec::new(),
+            sources: Sources::default(),
+        };
+        field.solve(rays, settings.seed, progress)?;
+        Some(Self { field, settings })
     }
 
     /// What it gathers.
@@ -84,53 +105,73 @@ impl<'a> Gatherer<'a> {
     /// settings leave it out. `None`, and nothing added, if `progress` stopped the work.
     #[must_use]
     pub fn pass(&self, gathered: &mut Gathered, rays: u32, progress: Progress<'_>) -> Option<()> {
-        let patches = &self.layout.patches;
         let half = rays / 2;
-        let sums: Vec<[Vec3; 2]> = (0..self.layout.len())
+        let done = gathered.rays / 2;
+        let layout = self.field.layout;
+        let sums: Vec<[Vec3; 2]> = (0..layout.len())
             .into_par_iter()
             .with_min_len(16)
             .map(|i| {
-                let receiver =
-                    Receiver { position: patches.position[i], normal: patches.normal[i] };
-                let set = hash_pair(self.settings.seed, i as u64);
-                let mut sums = [Vec3::ZERO; 2];
-                for ray in 0..half * 2 {
-                    let mut sampler = PathSampler::new(set, gathered.rays + ray, 16);
-                    let light = receiver.sample(&self.tracer, &mut sampler);
-                    let sky = match self.settings.direct_sky {
-                        DirectSky::Included => light.sky,
-                        DirectSky::LeftOut => Vec3::ZERO,
-                    };
-                    sums[(ray / half) as usize] += light.indirect + sky;
+                if !layout.open[i] {
+                    return Some([Vec3::ZERO; 2]);
+                }
+                let geometric = layout.patches.normal[i];
+                let origin = offset_origin(layout.patches.position[i], geometric);
+                let lobe = Bent::new(layout.shading[i], geometric);
+                let sky = self.settings.direct_sky == DirectSky::Included;
+                let mut sums = [gathered.halves[0][i], gathered.halves[1][i]];
+                for (k, sum) in sums.iter_mut().enumerate() {
+                    // The halves are sequences of their own, so that they are independent.
+                    let set = hash_pair(self.settings.seed, (i * 2 + k) as u64);
+                    for ray in done..done + half {
+                        let mut sampler = PathSampler::new(set, ray, 16);
+                        self.field.sample(origin, &lobe, sky, &mut sampler, |direction, light| {
+                            *sum += light * lobe.weight(direction);
+                        });
+                    }
                 }
                 progress(u64::from(rays)).is_continue().then_some(sums)
             })
             .collect::<Option<_>>()?;
         for (i, sums) in sums.into_iter().enumerate() {
-            gathered.halves[0][i] += sums[0];
-            gathered.halves[1][i] += sums[1];
+            gathered.halves[0][i] = sums[0];
+            gathered.halves[1][i] = sums[1];
         }
         gathered.rays += half * 2;
         Some(())
     }
 
-    /// Median over lit texels of the relative standard error, from the two halves.
+    /// Median over lit texels of the relative standard error of what was gathered, as far as the two halves
+    /// disagree: squares of their differences, the mean over each texel and its neighbours.
     #[must_use]
     pub fn relative_error(&self, gathered: &Gathered) -> f32 {
-        /// Median of the magnitude of a normally distributed number.
-        const MEDIAN: f32 = 0.674_5;
+        let layout = self.field.layout;
         let luminance = |c: Vec3| c.dot(Vec3::new(0.2126, 0.7152, 0.0722));
-        let of = |i: usize| luminance(gathered.irradiance(i)) / PI;
-        let brightest = (0..self.layout.len()).map(of).fold(0.0, f32::max);
-        let mut errors: Vec<f32> = (0..self.layout.len())
-            .filter(|&i| self.layout.open[i] && of(i) > brightest * 0.001)
-            .map(|i| luminance(gathered.difference(i)).abs() / PI / of(i))
-            .collect();
+        let of = |i: usize| luminance(gathered.irradiance(i));
+        let brightest = (0..layout.len()).map(of).fold(0.0, f32::max);
+        let lit = |i: usize| layout.open[i] && of(i) > brightest * DARK;
+        let mut errors: Vec<f32> = Vec::new();
+        for receiver in &layout.patches.receivers {
+            let (first, texels) = (receiver.first as usize, &receiver.texels);
+            for i in (0..texels.len()).filter(|i| lit(first + i)) {
+                let [x, y] = texels.coords[i].map(i64::from);
+                let (mut squares, mut sum, mut n) = (0.0, 0.0, 0.0);
+                for k in 0..9 {
+                    let other = texels.at(x + k % 3 - 1, y + k / 3 - 1, texels.chart[i]);
+                    let Some(other) = other.map(|o| first + o as usize).filter(|o| lit(*o)) else {
+                        continue;
+                    };
+                    squares += luminance(gathered.difference(other)).powi(2);
+                    sum += of(other);
+                    n += 1.0;
+                }
+                errors.push((squares / n).sqrt() * n / sum);
+            }
+        }
         if errors.is_empty() {
             return 0.0;
         }
         let middle = errors.len() / 2;
-        let (_, median, _) = errors.select_nth_unstable_by(middle, f32::total_cmp);
-        *median / MEDIAN
+        *errors.select_nth_unstable_by(middle, f32::total_cmp).1
     }
 }

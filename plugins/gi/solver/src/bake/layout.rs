@@ -7,10 +7,14 @@ use std::{
 
 use glam::Vec3;
 
+use super::{
+    normals::shading_normals,
+    open::{not_enclosed, part_sides},
+};
 use crate::{
     Scene, World,
     atlas::PageId,
-    lightmap::{FillPlan, MeshTexels, Patches, unbury},
+    lightmap::{FillPlan, MeshTexels, Patches, Receiver, unbury},
     scene::{InstanceId, Mesh},
     session::{Placement, Places},
 };
@@ -50,6 +54,10 @@ pub struct Layout {
     pub(super) patches: Patches,
     /// Whether a texel has a point in the open.
     pub(super) open: Vec<bool>,
+    /// Whether something stands between the points of a texel.
+    pub(super) split: Vec<bool>,
+    /// Unit normal that a texel's light is for.
+    pub(super) shading: Vec<Vec3>,
     /// One a receiver of `patches`.
     pub(super) plans: Vec<FillPlan>,
 }
@@ -69,8 +77,10 @@ pub struct LayoutTexel {
     pub chart: u32,
     /// World position.
     pub position: Vec3,
-    /// Unit normal that its light is for.
+    /// Unit normal that its light is for: that of the vertices, interpolated, where the mesh has any.
     pub normal: Vec3,
+    /// Unit normal of the triangle.
+    pub geometric: Vec3,
     /// Whether the point is in the open. If not, the texel takes its neighbours' light.
     pub open: bool,
 }
@@ -116,6 +126,9 @@ impl Layout {
         let texel = places.texel();
         let mut patches = Patches::new(world, texels, texel * 2.0);
         let open = unbury(world, &mut patches, texel);
+        let split = part_sides(world, &mut patches, texel);
+        let open = not_enclosed(world, &patches, &open, texel);
+        let shading = shading_normals(world, &patches);
         let plans = patches
             .receivers
             .iter()
@@ -132,6 +145,8 @@ impl Layout {
             refused,
             patches,
             open,
+            split,
+            shading,
             plans,
         }
     }
@@ -148,6 +163,21 @@ impl Layout {
         self.len() == 0
     }
 
+    /// Whether what is known about a texel answers for rays that meet it: its point is in the open, and
+    /// nothing cuts it in two.
+    pub(super) fn answers(&self, texel: usize) -> bool {
+        self.open[texel] && !self.split[texel]
+    }
+
+    /// The receiver that a texel belongs to.
+    pub(super) fn receiver_of(&self, texel: u32) -> &Receiver {
+        &self.patches.receivers[self.receiver_index(texel)]
+    }
+
+    pub(super) fn receiver_index(&self, texel: u32) -> usize {
+        self.patches.receivers.partition_point(|r| r.first <= texel).saturating_sub(1)
+    }
+
     /// All covered texels, in the order of everything that is computed for them.
     pub fn texels(&self) -> impl Iterator<Item = LayoutTexel> + '_ {
         self.patches.receivers.iter().zip(&self.placements).flat_map(move |(receiver, place)| {
@@ -161,7 +191,8 @@ impl Layout {
                     y: place.rect.y + y,
                     chart: receiver.texels.chart[i],
                     position: self.patches.position[texel],
-                    normal: self.patches.normal[texel],
+                    normal: self.shading[texel],
+                    geometric: self.patches.normal[texel],
                     open: self.open[texel],
                 }
             })

@@ -13,12 +13,20 @@
 //!
 //! Equal inputs give equal results on any number of threads.
 
+mod cells;
 mod denoise;
 mod direct;
+mod field;
 mod gather;
 mod layout;
+mod links;
+mod lobe;
+mod map;
+mod normals;
+mod open;
 mod pages;
 mod saved;
+mod sources;
 mod volume;
 
 pub use denoise::denoise;

@@ -121,7 +121,7 @@ impl GridState {
     }
 
     /// Gives probes inside of something the mean of their valid neighbours, from near to far.
-    fn fill_buried(&mut self) {
+    pub(crate) fn fill_buried(&mut self) {
         let mut valid: Vec<bool> = self
             .buried
             .iter()

@@ -41,7 +41,7 @@ pub(crate) struct Patches {
     /// Patches below this are the fronts of texels.
     pub fronts: usize,
     /// The surface points behind `samples`, with triangles of the world.
-    points: Vec<[SurfacePoint; SAMPLES]>,
+    pub points: Vec<[SurfacePoint; SAMPLES]>,
     filled: Vec<u8>,
     receiver_of_instance: Vec<u32>,
     /// Patch of the back of each texel, or [`NONE`].
@@ -97,6 +97,12 @@ impl Patches {
             self.points[texel][k] = self.points[texel][good];
         }
         true
+    }
+
+    /// Makes a texel's point stand for all its sample points.
+    pub(crate) fn gather_samples_at_point(&mut self, texel: usize) {
+        self.samples[texel] = [self.position[texel]; SAMPLES];
+        self.sample_normals[texel] = [self.normal[texel]; SAMPLES];
     }
 
     pub(crate) fn len(&self) -> usize {

@@ -50,6 +50,9 @@ pub(crate) struct MeshTexels {
     pub chart: Vec<u32>,
     /// The chart of each triangle.
     pub triangle_chart: Vec<u32>,
+    /// For each covered texel, what [`triangles_in`](Self::triangles_in) gives: first and end.
+    parts: Vec<[u32; 2]>,
+    part_triangles: Vec<u32>,
 }
 
 /// Faces of a texel whose normals have at least this cosine between them look the same way.
@@ -131,6 +134,11 @@ impl MeshTexels {
             texels.points.push(point);
             texels.samples.push(OFFSETS.map(|offset| inside(own, offset).unwrap_or(point)));
             texels.chart.push(own[0].chart);
+            let first = texels.part_triangles.len() as u32;
+            let mut parts: Vec<&Fragment> = own.iter().collect();
+            parts.sort_by(|a, b| b.area.total_cmp(&a.area));
+            texels.part_triangles.extend(parts.iter().map(|f| f.triangle));
+            texels.parts.push([first, texels.part_triangles.len() as u32]);
         }
         texels.drop_slivers(&sliver);
         texels
@@ -139,6 +147,12 @@ impl MeshTexels {
     /// How many texels are covered.
     pub(crate) fn len(&self) -> usize {
         self.points.len()
+    }
+
+    /// The triangles that a covered texel holds parts of, the largest parts first.
+    pub(crate) fn triangles_in(&self, texel: usize) -> &[u32] {
+        let [first, end] = self.parts[texel].map(|i| i as usize);
+        &self.part_triangles[first..end]
     }
 
     /// The covered texel that answers for a point with the given UV on a triangle: the one under it,
@@ -193,11 +207,12 @@ impl MeshTexels {
             *i += 1;
             keep[*i - 1]
         };
-        let (mut a, mut b, mut c, mut d) = (0, 0, 0, 0);
+        let (mut a, mut b, mut c, mut d, mut e) = (0, 0, 0, 0, 0);
         self.coords.retain(|_| kept(&mut a));
         self.points.retain(|_| kept(&mut b));
         self.samples.retain(|_| kept(&mut c));
         self.chart.retain(|_| kept(&mut d));
+        self.parts.retain(|_| kept(&mut e));
         self.index.fill(NONE);
         for (i, [x, y]) in self.coords.iter().enumerate() {
             self.index[usize::from(*y) * self.width as usize + usize::from(*x)] = i as u32;
@@ -278,7 +293,7 @@ fn clipped(corners: &[Vec2; 3], cell: Vec2) -> Option<(f32, Vec2)> {
 }
 
 /// Weights of the second and third corner; `None` outside of the triangle.
-fn barycentric(corners: &[Vec2; 3], p: Vec2) -> Option<Vec2> {
+pub(crate) fn barycentric(corners: &[Vec2; 3], p: Vec2) -> Option<Vec2> {
     barycentric_unclamped(corners, p).filter(|b| b.x >= 0.0 && b.y >= 0.0 && b.x + b.y <= 1.0)
 }
 

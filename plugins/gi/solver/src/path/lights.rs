@@ -9,7 +9,7 @@ use crate::{Ray, World, sampling::PathSampler, scene::LightSample, visibility::s
 pub const SAMPLE_ALL_LIGHTS: usize = 8;
 
 /// Ends rays to a point of an emitter just before it.
-const EMITTER_END: f32 = 1.0 - 1e-4;
+pub(crate) const EMITTER_END: f32 = 1.0 - 1e-4;
 
 /// Light from one direction, divided by the density with which the direction is drawn by all
 /// techniques together (the balance heuristic, Veach and Guibas 1995). Visible.
@@ -40,7 +40,7 @@ impl PathTracer<'_> {
     /// Irradiance from the punctual lights: the sum over all for few lights, else an unbiased
     /// estimate from one light, drawn with a probability proportional to the (largest channel of
     /// the) irradiance that it would give without shadows.
-    pub(super) fn punctual(
+    pub(crate) fn punctual(
         &self,
         point: Vec3,
         normal: Vec3,

@@ -25,15 +25,18 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 use crate::{
-    Ray, World,
+    Hit, Ray, World,
     sampling::{Frame, PathSampler, cosine_hemisphere},
     visibility::offset_origin,
+    world::Surface,
 };
 use emitters::Emitters;
 use roulette::Roulette;
 use sky::SkyTexels;
 
+pub(crate) use lights::{EMITTER_END, Toward};
 pub use lights::{SAMPLE_ALL_LIGHTS, direct_irradiance};
+pub(crate) use table::Table;
 
 /// Radiance that arrives at a point along one ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -102,8 +105,7 @@ impl<'w> PathTracer<'w> {
         loop {
             let hit = world.closest(&ray);
             if !hit.is_hit() {
-                let other = self.sky.as_ref().map_or(0.0, |sky| sky.pdf(ray.direction));
-                let sky = throughput * world.sky.radiance(ray.direction) * balance(pdf, other);
+                let sky = throughput * self.sky_met(ray.direction, pdf);
                 match reflections {
                     0 => out.sky = sky,
                     _ => out.add(sky, reflections),
@@ -115,9 +117,7 @@ impl<'w> PathTracer<'w> {
             }
             let surface = world.surface(&hit, ray.direction);
             if surface.emission != Vec3::ZERO {
-                let cos = surface.normal.dot(ray.direction);
-                let weight = balance(pdf, self.emitters.pdf_of_hit(&hit, cos));
-                out.add(throughput * surface.emission * weight, reflections);
+                out.add(throughput * self.emission_met(&surface, &ray, &hit, pdf), reflections);
             }
 
             throughput *= surface.albedo;
@@ -140,17 +140,52 @@ impl<'w> PathTracer<'w> {
                 out.add(throughput * toward.weighted * cosine_pdf(toward.direction), reflections);
             }
 
-            let survival = self.roulette.survival(throughput, reflections);
-            if survival < 1.0 {
-                if sampler.next_1d() >= survival {
-                    return out;
-                }
-                throughput /= survival;
+            if !self.goes_on(&mut throughput, reflections, sampler) {
+                return out;
             }
             let local = cosine_hemisphere(sampler.next_2d());
             pdf = Some(local.z * FRAC_1_PI);
             ray = Ray::new(next, Frame::new(surface.normal).to_world(local));
         }
+    }
+}
+
+impl PathTracer<'_> {
+    /// Radiance of the sky that a ray met which was drawn with density `pdf`, weighed against
+    /// [`toward_sky`](Self::toward_sky).
+    pub(crate) fn sky_met(&self, direction: Vec3, pdf: Option<f32>) -> Vec3 {
+        let other = self.sky.as_ref().map_or(0.0, |sky| sky.pdf(direction));
+        self.world.sky.radiance(direction) * balance(pdf, other)
+    }
+
+    /// Radiance that a surface emits which a ray met, weighed against
+    /// [`toward_emitter`](Self::toward_emitter).
+    pub(crate) fn emission_met(
+        &self,
+        surface: &Surface,
+        ray: &Ray,
+        hit: &Hit,
+        pdf: Option<f32>,
+    ) -> Vec3 {
+        let cos = surface.normal.dot(ray.direction);
+        surface.emission * balance(pdf, self.emitters.pdf_of_hit(hit, cos))
+    }
+
+    /// Whether a path whose throughput this is goes on; if so, its weight changes.
+    pub(crate) fn goes_on(
+        &self,
+        throughput: &mut Vec3,
+        reflections: u32,
+        sampler: &mut PathSampler,
+    ) -> bool {
+        let survival = self.roulette.survival(*throughput, reflections);
+        if survival < 1.0 {
+            if sampler.next_1d() >= survival {
+                return false;
+            }
+            *throughput /= survival;
+        }
+        true
     }
 }
 
@@ -165,7 +200,7 @@ impl Arriving {
 
 /// Weight of what a ray met by chance, drawn with density `pdf`, if another technique draws it with
 /// density `other`; 1 if there is no other.
-fn balance(pdf: Option<f32>, other: f32) -> f32 {
+pub(crate) fn balance(pdf: Option<f32>, other: f32) -> f32 {
     match pdf {
         Some(pdf) if other > 0.0 => pdf / (pdf + other),
         _ => 1.0,

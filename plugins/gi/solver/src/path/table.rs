@@ -6,14 +6,14 @@ use crate::sampling::PathSampler;
 
 /// Entries drawn in proportion to their weights.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Table {
+pub(crate) struct Table {
     /// Sum of the weights up to and including each entry.
     sums: Vec<f64>,
 }
 
 impl Table {
     /// A table of weights; those that are not above 0 and finite are never drawn.
-    pub(super) fn new(weights: impl Iterator<Item = f32>) -> Self {
+    pub(crate) fn new(weights: impl Iterator<Item = f32>) -> Self {
         let mut sum = 0.0;
         let usable = |w: f32| if w > 0.0 && w.is_finite() { f64::from(w) } else { 0.0 };
         Self {
@@ -27,19 +27,19 @@ impl Table {
     }
 
     /// Sum of all weights.
-    pub(super) fn total(&self) -> f64 {
+    pub(crate) fn total(&self) -> f64 {
         self.sums.last().copied().unwrap_or(0.0)
     }
 
     /// Whether nothing can be drawn.
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.total() <= 0.0
     }
 
     /// The entry for a number 0 ≤ u < 1, and where in the entry the number lies, 0..=1: uniform again,
     /// so that one stratified number draws both an entry and a place in it. The table must not be
     /// empty.
-    pub(super) fn draw(&self, u: f64) -> (usize, f32) {
+    pub(crate) fn draw(&self, u: f64) -> (usize, f32) {
         let target = u * self.total();
         // The first sum above the target: entries without weight have the sum of the one before and
         // are passed over.
@@ -50,7 +50,7 @@ impl Table {
     }
 
     /// Draws an entry, and a point of the unit square for a place in it.
-    pub(super) fn sample(&self, sampler: &mut PathSampler) -> (usize, Vec2) {
+    pub(crate) fn sample(&self, sampler: &mut PathSampler) -> (usize, Vec2) {
         let u = sampler.next_2d();
         // Digits below those of a 24-bit number, for entries with little weight.
         let fine = f64::from(u.x) + f64::from(sampler.next_1d()) / 16_777_216.0;

@@ -1,5 +1,7 @@
 //! Surface descriptions: the parameters of a metallic-roughness material.
 
+use std::sync::LazyLock;
+
 use glam::{Affine2, Vec2, Vec3, Vec4};
 
 use super::TextureId;
@@ -110,12 +112,15 @@ impl Texture {
 
     fn decode(&self, [r, g, b, a]: [u8; 4]) -> Vec4 {
         let channel = |v: u8| {
-            let v = f32::from(v) / 255.0;
-            if self.srgb { srgb_to_linear(v) } else { v }
+            if self.srgb { SRGB[usize::from(v)] } else { f32::from(v) / 255.0 }
         };
         Vec4::new(channel(r), channel(g), channel(b), f32::from(a) / 255.0)
     }
 }
+
+/// Powers are slow and every hit on a textured surface asks for a dozen.
+static SRGB: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|i| srgb_to_linear(i as f32 / 255.0)));
 
 /// The sRGB decoding function (IEC 61966-2-1).
 fn srgb_to_linear(v: f32) -> f32 {

@@ -3,6 +3,10 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod agreement;
+mod direct;
 mod layout;
+mod passes;
 mod saved;
 mod scenes;
+mod surfaces;
