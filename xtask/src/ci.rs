@@ -18,8 +18,8 @@ Runs, quick ones first, and goes on after a failure so that one run shows them a
   docs       cargo doc, warnings are errors
   packages   cargo package of every published crate (not built again)
   features   the umbrella with no feature, and with each feature alone
-  targets    farlight_remote and farlight_btf for wasm32-unknown-unknown, farlight_gi and farlight_btf
-             for x86_64-pc-windows-gnu, if those are installed or rustup can add them
+  targets    farlight_remote, farlight_btf and farlight_baked for wasm32-unknown-unknown, farlight_gi,
+             farlight_btf and farlight_baked for x86_64-pc-windows-gnu, if those are installed or rustup can add them
   tests      what `cargo xtask test` does, if nothing failed before
 
 A table at the end says what passed, what failed, what was skipped and why, and how long it took.
@@ -33,8 +33,8 @@ A table at the end says what passed, what failed, what was skipped and why, and 
 ///
 /// Packages of one target are checked together, so that the engine is once.
 const TARGETS: [(&str, &[&str]); 2] = [
-    ("wasm32-unknown-unknown", &["farlight_remote", "farlight_btf"]),
-    ("x86_64-pc-windows-gnu", &["farlight_gi", "farlight_btf"]),
+    ("wasm32-unknown-unknown", &["farlight_remote", "farlight_btf", "farlight_baked"]),
+    ("x86_64-pc-windows-gnu", &["farlight_gi", "farlight_btf", "farlight_baked"]),
 ];
 
 /// Whether the manifests are fit to be published; files that are not committed may be there.

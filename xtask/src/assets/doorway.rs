@@ -46,7 +46,7 @@ pub(super) enum Look {
 /// The file.
 pub(super) fn glb() -> Vec<u8> {
     let images = textures::all(&profile_lengths());
-    glb::write(&parts(), &materials(), &images)
+    glb::write("doorway", &parts(), &materials(), &images)
 }
 
 fn parts() -> Vec<Part> {

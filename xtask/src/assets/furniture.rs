@@ -20,7 +20,15 @@ pub(super) fn bright_woodwork() -> Part {
 }
 
 /// A top on four legs; x and z are ranges.
-fn table(part: &mut Part, x: [f64; 2], z: [f64; 2], height: f64, thick: f64, leg: f64, uv: Uv) {
+pub(super) fn table(
+    part: &mut Part,
+    x: [f64; 2],
+    z: [f64; 2],
+    height: f64,
+    thick: f64,
+    leg: f64,
+    uv: Uv,
+) {
     let under = height - thick;
     block(part, [x[0], under, z[0]], [x[1], height, z[1]], 0.012, Ends::Both, uv);
     for lx in [x[0] + 0.05, x[1] - 0.05 - leg] {
@@ -171,7 +179,7 @@ pub(super) fn pictures() -> Part {
 
 /// A picture with a frame whose sides slope, so that the whole is one flat chart. `facing` is the
 /// sign of the normal's z.
-fn picture(part: &mut Part, center: P, size: [f64; 2], facing: f64, image: usize) {
+pub(super) fn picture(part: &mut Part, center: P, size: [f64; 2], facing: f64, image: usize) {
     part.chart();
     let ring = |inset: f64, out: f64| {
         let (w, h) = (size[0] / 2.0 - inset, size[1] / 2.0 - inset);
@@ -207,12 +215,12 @@ pub(super) fn rug() -> Part {
     part
 }
 
-fn cube(part: &mut Part, low: P, size: P, color: usize) {
+pub(super) fn cube(part: &mut Part, low: P, size: P, color: usize) {
     let high = [low[0] + size[0], low[1] + size[1], low[2] + size[2]];
     block(part, low, high, 0.012, Ends::Top, Uv::Swatch(color));
 }
 
-fn vase(part: &mut Part, base: P, size: f64, color: usize) {
+pub(super) fn vase(part: &mut Part, base: P, size: f64, color: usize) {
     let profile = [
         [0.035, 0.28],
         [0.045, 0.32],
@@ -229,7 +237,7 @@ fn vase(part: &mut Part, base: P, size: f64, color: usize) {
     disc(part, [base[0], base[1] + 0.285 * size, base[2]], 0.04 * size, 13);
 }
 
-fn bowl(part: &mut Part, base: P, color: usize) {
+pub(super) fn bowl(part: &mut Part, base: P, color: usize) {
     // From the inside of the bottom over the rim to the foot.
     let profile =
         [[0.09, 0.035], [0.14, 0.09], [0.15, 0.10], [0.155, 0.095], [0.10, 0.02], [0.06, 0.0]];
@@ -239,7 +247,7 @@ fn bowl(part: &mut Part, base: P, color: usize) {
 }
 
 /// A flat disc that faces up, as one fan.
-fn disc(part: &mut Part, center: P, radius: f64, color: usize) {
+pub(super) fn disc(part: &mut Part, center: P, radius: f64, color: usize) {
     part.chart();
     let corners: Vec<_> = (0..12)
         .map(|k| {
@@ -251,7 +259,7 @@ fn disc(part: &mut Part, center: P, radius: f64, color: usize) {
     part.face(&corners, Uv::Swatch(color));
 }
 
-fn ball(part: &mut Part, center: P, radius: f64, color: usize) {
+pub(super) fn ball(part: &mut Part, center: P, radius: f64, color: usize) {
     let profile: Vec<_> = (0..=12)
         .map(|i| {
             let angle = std::f64::consts::PI * f64::from(i) / 12.0;

@@ -14,8 +14,13 @@ pub(super) struct Material {
     pub(super) roughness: f32,
 }
 
-/// The file: one node, mesh and primitive a part.
-pub(super) fn write(parts: &[Part], materials: &[Material], images: &[(&str, Indexed)]) -> Vec<u8> {
+/// The file of a scene: one node, mesh and primitive a part.
+pub(super) fn write(
+    scene: &str,
+    parts: &[Part],
+    materials: &[Material],
+    images: &[(&str, Indexed)],
+) -> Vec<u8> {
     let mut file = Writer::default();
     let (mut nodes, mut meshes) = (Vec::new(), Vec::new());
     for (i, part) in parts.iter().enumerate() {
@@ -57,7 +62,7 @@ pub(super) fn write(parts: &[Part], materials: &[Material], images: &[(&str, Ind
     let mut list = |name: &str, values: &[String]| {
         write!(json, ",\"{name}\":[{}]", values.join(",")).expect("a string takes all");
     };
-    list("scenes", &[format!(r#"{{"name":"doorway","nodes":[{}]}}"#, roots.join(","))]);
+    list("scenes", &[format!(r#"{{"name":"{scene}","nodes":[{}]}}"#, roots.join(","))]);
     list("nodes", &nodes);
     list("meshes", &meshes);
     list("materials", &materials);

@@ -9,6 +9,7 @@ mod pack;
 mod part;
 mod png;
 mod shapes;
+mod study;
 mod textures;
 
 use std::path::{Path, PathBuf};
@@ -19,7 +20,7 @@ use crate::{args::Args, process};
 pub(crate) const HELP: &str = "\
 cargo xtask assets [--check | --materials]
 
-Writes what this project makes itself: assets/scenes/doorway.glb, the models in assets/models/ and
+Writes what this project makes itself: the scenes in assets/scenes/, the models in assets/models/ and
 the environments in assets/environments/. With --check it writes nothing and fails if a file differs.
 With --materials it writes assets/materials/ instead: that traces rays for some minutes. The same
 machine makes the same file; others may differ in the last bits, so --check leaves these out.
@@ -66,7 +67,10 @@ fn make_cloth() -> Result<(), String> {
 /// Every file: where it lies and what is in it.
 fn all() -> Vec<(PathBuf, Vec<u8>)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
-    let mut files = vec![(folder.join("scenes/doorway.glb"), doorway::glb())];
+    let mut files = vec![
+        (folder.join("scenes/doorway.glb"), doorway::glb()),
+        (folder.join("scenes/study.glb"), study::glb()),
+    ];
     let below = |name: &'static str| {
         let folder = folder.join(name);
         move |(file, bytes): (&str, Vec<u8>)| (folder.join(file), bytes)

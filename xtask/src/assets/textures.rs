@@ -19,6 +19,17 @@ pub(super) fn all(wall_rows: &[f64]) -> Vec<(&'static str, Indexed)> {
     ]
 }
 
+/// Those of the study, likewise.
+pub(super) fn study() -> Vec<(&'static str, Indexed)> {
+    vec![
+        ("planks", planks()),
+        ("oak", wood([0.76, 0.58, 0.38], 1)),
+        ("colours", palette()),
+        ("pictures", pictures()),
+        ("rug", rug()),
+    ]
+}
+
 /// Colours that objects have, sRGB.
 pub(super) const PALETTE: [[f64; 3]; 16] = [
     [0.85, 0.20, 0.14], // 0 red
