@@ -4,6 +4,7 @@
 //!
 //! | feature | plugin | what |
 //! |---|---|---|
+//! | `baked` (default) | [`baked::BakedPlugin`] | baked lighting: lightmaps and probes that `farlight bake` made |
 //! | `btf` (default) | [`btf::BtfPlugin`] | measured materials, decoded in the shader |
 //! | `controls` | `controls::ControlsPlugin` | named actions for keyboard, mouse, gamepad, touch and XR |
 //! | `gi` (default) | [`gi::GiPlugin`] | global illumination: lightmaps and probes, solved in the background |
@@ -40,6 +41,9 @@ mod sections;
 
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 
+/// Baked lighting.
+#[cfg(feature = "baked")]
+pub use farlight_baked as baked;
 /// Measured materials.
 #[cfg(feature = "btf")]
 pub use farlight_btf as btf;
@@ -69,6 +73,7 @@ pub use farlight_xr as xr;
 /// | plugin | what it is responsible for |
 /// |---|---|
 /// | [`core::FarlightCorePlugin`] | shared types, texels into textures |
+/// | [`baked::BakedPlugin`] | baked light and its scenarios |
 /// | [`btf::BtfPlugin`] | measured materials |
 /// | [`gi::GiPlugin`] | indirect light |
 /// | [`ibl::IblPlugin`] | environment light |
@@ -93,6 +98,8 @@ pub struct FarlightPlugins;
 impl PluginGroup for FarlightPlugins {
     fn build(self) -> PluginGroupBuilder {
         let group = PluginGroupBuilder::start::<Self>().add(farlight_core::FarlightCorePlugin);
+        #[cfg(feature = "baked")]
+        let group = group.add(farlight_baked::BakedPlugin::default());
         #[cfg(feature = "btf")]
         let group = group.add(farlight_btf::BtfPlugin);
         #[cfg(feature = "gi")]
@@ -130,6 +137,11 @@ impl bevy::app::Plugin for WatchMeasured {
 /// What most games use.
 pub mod prelude {
     pub use crate::FarlightPlugins;
+    #[cfg(feature = "baked")]
+    pub use farlight_baked::{
+        BakedLighting, BakedManifest, BakedPlugin, BakedScene, BakedState, BakedStatus,
+        ScenarioWeights,
+    };
     #[cfg(feature = "btf")]
     pub use farlight_btf::{BtfAsset, BtfFilter, BtfMaterial, BtfPlugin};
     #[cfg(feature = "controls")]

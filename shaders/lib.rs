@@ -40,6 +40,7 @@ macro_rules! modules {
 /// Every module; one stands after those that it imports.
 pub const MODULES: &[Module] = &modules![
     pure "math.wgsl",
+    pure "baked/blend.wgsl",
     pure "btf/layout.wgsl",
     pure "btf/tables.wgsl",
     pure "btf/angles.wgsl",

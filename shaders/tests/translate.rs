@@ -9,8 +9,15 @@ use naga::{Module, ShaderStage};
 /// Where the tables of materials are bound, and every set of the names that decide something in a
 /// module's folder.
 fn definitions(path: &str) -> Vec<Vec<Definition<'static>>> {
-    let names =
-        ["BTF_HALF_END_SLOPE", "BTF_GUARD_BETA_POLE", "BTF_LINEAR", "STILL", "RESTED", "DEPTH"];
+    let names = [
+        "BTF_HALF_END_SLOPE",
+        "BTF_GUARD_BETA_POLE",
+        "BTF_LINEAR",
+        "STILL",
+        "RESTED",
+        "DEPTH",
+        "VOLUME",
+    ];
     let folder = |path: &'static str| path.split_once('/').map_or("", |(folder, _)| folder);
     let here = path.split_once('/').map_or("", |(folder, _)| folder);
     let decides = |name: &str| {

@@ -19,6 +19,15 @@ pub struct DiffuseReflectance {
     pub double_sided: bool,
 }
 
+/// On meshes whose light on surfaces was computed before: lighting solvers let them block and reflect
+/// light, and leave their lightmap alone.
+///
+/// Whoever shows such light puts it there with the mesh's `Lightmap` or some frames before, in
+/// [`LightmapSystems::Change`], so that a solver can take its own away.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Debug, Clone)]
+pub struct BakedSurface;
+
 /// Sent in every frame in which solved light on surfaces becomes another one that no component shows:
 /// texels of lightmaps or of probe volumes are written on the GPU, or light is switched off and on.
 ///
@@ -44,6 +53,7 @@ pub enum LightmapSystems {
 
 pub(crate) fn build(app: &mut App) {
     app.register_type::<DiffuseReflectance>()
+        .register_type::<BakedSurface>()
         .add_message::<LightingChanged>()
         .configure_sets(PostUpdate, (LightmapSystems::Change, LightmapSystems::Notice).chain());
 }

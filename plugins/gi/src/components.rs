@@ -8,6 +8,9 @@ use bevy::{math::UVec3, prelude::*};
 /// Each visible mesh below the tag with a `StandardMaterial`, or a `DiffuseReflectance` of
 /// `farlight_core` in its place, gets a `Lightmap`. Meshes that can't take part are named in [`GiStatus::left_out`](crate::GiStatus::left_out), with the reason.
 ///
+/// Meshes with baked light (`BakedSurface` of `farlight_core`) block and reflect light and keep the
+/// lightmap that they have.
+///
 /// A [`GiDynamic`] further down takes its entity and what is below it out again.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, Clone)]

@@ -6,7 +6,7 @@ use bevy::{
     pbr::Lightmap,
     prelude::*,
 };
-use farlight_core::DiffuseReflectance;
+use farlight_core::{BakedSurface, DiffuseReflectance};
 use farlight_gi_solver::{SceneChange, scene::Instance, session::SessionChange};
 
 use super::{
@@ -45,6 +45,7 @@ pub(crate) struct Row {
     skinned: Has<SkinnedMesh>,
     morphed: Has<MeshMorphWeights>,
     lightmapped: Has<Lightmap>,
+    baked: Has<BakedSurface>,
 }
 
 type ChangedRow = Or<(
@@ -52,6 +53,7 @@ type ChangedRow = Or<(
     Changed<Mesh3d>,
     Changed<MeshMaterial3d<StandardMaterial>>,
     Added<DiffuseReflectance>,
+    Added<BakedSurface>,
     Changed<GlobalTransform>,
     Changed<InheritedVisibility>,
 )>;
@@ -68,6 +70,7 @@ pub(crate) fn extract_instances(
         RemovedComponents<Mesh3d>,
         RemovedComponents<MeshMaterial3d<StandardMaterial>>,
         RemovedComponents<DiffuseReflectance>,
+        RemovedComponents<BakedSurface>,
     ),
     meter: Res<GiMeter>,
 ) {
@@ -76,7 +79,7 @@ pub(crate) fn extract_instances(
     let mut dirty = std::mem::take(&mut extractor.dirty);
     dirty.extend(&changed);
     dirty.extend(removed.0.read().chain(removed.1.read()));
-    dirty.extend(removed.2.read().chain(removed.3.read()));
+    dirty.extend(removed.2.read().chain(removed.3.read()).chain(removed.4.read()));
     for entity in dirty.drain() {
         match rows.get(entity) {
             Ok(row) => {
@@ -169,7 +172,7 @@ fn look(
         state.submitted = Some(instance.clone());
         extractor.changes.instances.push(SceneChange::SetInstance(id, instance));
     }
-    let receiver = no_receiver.is_none() && !own_lightmap;
+    let receiver = no_receiver.is_none() && !own_lightmap && !row.baked;
     if receiver != state.receiver {
         state.receiver = receiver;
         if receiver {
@@ -179,7 +182,9 @@ fn look(
             extractor.unlit.insert(entity);
         }
     }
-    if own_lightmap {
+    if row.baked {
+        remarks.clear(entity);
+    } else if own_lightmap {
         remarks.note(entity, "it has a Lightmap of its own; it blocks and reflects light");
     } else if let Some(reason) = no_receiver {
         remarks.note(entity, format!("it blocks and reflects light but has no lightmap: {reason}"));

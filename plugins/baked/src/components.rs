@@ -1,0 +1,51 @@
+//! What a game puts on its entities.
+
+use bevy::prelude::*;
+
+use crate::{BakedManifest, ScenarioWeights};
+
+/// Lights everything below an entity by what `farlight bake` made.
+///
+/// Put it on the root of the lit scene, the entity with the `WorldAssetRoot` of the .glb file that the
+/// bake wrote, before or after it is loaded ([`BakedScene`] does both). Lightmaps, probe volumes and
+/// lights come when scene and manifest are there, follow the root, come again when the scene is
+/// spawned again or a file changes, and go with this component. Several roots may share a manifest,
+/// each with scenarios of its own.
+#[derive(Component, Clone, Debug, Default, Reflect)]
+#[reflect(Component, Default, Debug, Clone)]
+pub struct BakedLighting {
+    /// What was baked: a file `NAME.baked.ron`.
+    pub manifest: Handle<BakedManifest>,
+    /// How much of each scenario is shown.
+    pub scenarios: ScenarioWeights,
+    /// Whether lightmaps are filtered by cubic splines: smoother where texels are large on screen,
+    /// dearer, and it may leak across the edges of charts.
+    pub bicubic: bool,
+    /// Whether a manifest with a single scenario may be dimmed at any moment without a frame in which
+    /// the lightmaps are missing; it costs textures of 8 bytes a texel. Manifests with several
+    /// scenarios can always be.
+    pub dimmable: bool,
+}
+
+impl BakedLighting {
+    /// What a manifest says, its first scenario.
+    #[must_use]
+    pub fn new(manifest: Handle<BakedManifest>) -> Self {
+        Self { manifest, ..Self::default() }
+    }
+}
+
+/// Spawns a lit scene: loads a manifest, spawns the scene that it names below this entity, and lights
+/// it by the [`BakedLighting`] that it adds.
+#[derive(Component, Clone, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[require(Transform, Visibility)]
+pub struct BakedScene(
+    /// The manifest's path among the assets: `rooms/office.baked.ron`.
+    pub String,
+);
+
+/// On what this plugin spawns below a root: probe volumes and the lights that a bake added.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Debug, Clone)]
+pub struct BakedPart;
