@@ -6,6 +6,16 @@ use glam::Vec3;
 /// samples don't tell is taken as flat.
 const RIDGE: [f32; 2] = [0.001, 0.0005];
 
+/// Which of the products 1, x, y, x², xy, y², x³, x²y, xy², y³, x⁴, x³y, x²y², xy³, y⁴ is that of two terms.
+const PRODUCT: [[usize; 6]; 6] = [
+    [0, 1, 2, 3, 4, 5],
+    [1, 3, 4, 6, 7, 8],
+    [2, 4, 5, 7, 8, 9],
+    [3, 6, 7, 10, 11, 12],
+    [4, 7, 8, 11, 12, 13],
+    [5, 8, 9, 12, 13, 14],
+];
+
 /// A sample for a fit.
 #[derive(Clone, Copy)]
 pub(super) struct Sample {
@@ -21,16 +31,36 @@ pub(super) struct Sample {
 /// Value at the origin, and its variance, of the polynomial with `N` terms (1, 3 or 6: of degree 0, 1
 /// or 2) that fits best. At least one sample.
 pub(super) fn fit<const N: usize>(samples: &[Sample]) -> (Vec3, Vec3) {
-    let mut moments = [[0.0; N]; N];
+    // Sums of weight * terms[a] * terms[b]; equal products are summed once.
+    let mut sums = [0.0; 15];
     for s in samples {
-        let terms = terms::<N>(s);
-        for a in 0..N {
-            let weighted = s.weight * terms[a];
-            for b in 0..=a {
-                moments[a][b] += weighted * terms[b];
-            }
+        let (x, y, w) = (s.x, s.y, s.weight);
+        let (wx, wy) = (w * x, w * y);
+        let (wxx, wxy, wyy) = (wx * x, wx * y, wy * y);
+        let (xx, yy) = (x * x, y * y);
+        let products = [
+            w,
+            wx,
+            wy,
+            wxx,
+            wxy,
+            wyy,
+            wxx * x,
+            wxx * y,
+            wyy * x,
+            wyy * y,
+            wxx * xx,
+            wxx * x * y,
+            wxx * yy,
+            wyy * y * x,
+            wyy * yy,
+        ];
+        for (sum, product) in sums.iter_mut().zip(products) {
+            *sum += product;
         }
     }
+    let moments: [[f32; N]; N] =
+        std::array::from_fn(|a| std::array::from_fn(|b| sums[PRODUCT[a][b]]));
     let row = first_row_of_inverse(moments);
     let (mut value, mut variance, mut sum) = (Vec3::ZERO, Vec3::ZERO, 0.0);
     for s in samples {

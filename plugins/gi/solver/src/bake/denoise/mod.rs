@@ -3,7 +3,7 @@
 //! Adaptive weights smoothing with local polynomials (Polzehl and Spokoiny 2006, "Propagation-separation
 //! approach for local likelihood estimation"), guided as denoisers of path tracers are. Around every
 //! texel a polynomial in the coordinates of its tangent plane is fitted to its neighbours' irradiance, over
-//! neighbourhoods that grow from 1.5 to 13 texels. A neighbour counts as long as what is known from the
+//! neighbourhoods that grow from 1.5 to 12 texels. A neighbour counts as long as what is known from the
 //! last, smaller neighbourhoods differs by no more than the noise explains. So contact shadows,
 //! where neighbours differ significantly, are left alone, and the filter fades away as noise does.
 //!
@@ -25,16 +25,16 @@
 //!
 //! | scene, texels a metre | rays | before | after | gain |
 //! |---|---|---|---|---|
-//! | TwoRooms, 7 | 64 | 11.5 %, 31.7 % | 2.3 %, 8.0 % | 16 |
-//! | | 256 | 5.5 %, 18.8 % | 1.6 %, 4.9 % | 15 |
-//! | | 1024 | 3.0 %, 9.4 % | 1.2 %, 2.7 % | 12 |
+//! | TwoRooms, 7 | 64 | 11.5 %, 31.7 % | 2.4 %, 8.1 % | 16 |
+//! | | 256 | 5.5 %, 18.8 % | 1.6 %, 5.0 % | 14 |
+//! | | 1024 | 3.0 %, 9.4 % | 1.3 %, 2.7 % | 12 |
 //! | Cornell box, 7 | 64 | 8.2 %, 14.3 % | 1.7 %, 3.4 % | 18 |
 //! | | 256 | 4.2 %, 6.8 % | 1.3 %, 2.3 % | 9 |
-//! | | 1024 | 2.0 %, 3.3 % | 1.0 %, 1.7 % | 4 |
-//! | doorway, 21 | 64 | 13.6 %, 33.2 % | 2.8 %, 10.0 % | 11 |
+//! | | 1024 | 2.0 %, 3.3 % | 0.9 %, 1.7 % | 4 |
+//! | doorway, 21 | 64 | 13.6 %, 33.2 % | 3.0 %, 10.2 % | 11 |
 //! | | 256 | 6.8 %, 20.5 % | 2.0 %, 6.2 % | 11 |
-//! | furniture of a hotel room, 33 | 64 | 25.1 %, 38.7 % | 4.9 %, 15.8 % | 6 |
-//! | | 256 | 14.1 %, 23.4 % | 3.6 %, 11.2 % | 4 |
+//! | furniture of a hotel room, 33 | 64 | 25.1 %, 38.7 % | 5.1 %, 15.9 % | 6 |
+//! | | 256 | 14.1 %, 23.4 % | 3.7 %, 11.3 % | 4 |
 
 mod cells;
 mod fit;
@@ -55,6 +55,11 @@ type Halves = [Vec<Vec3>; 2];
 
 /// The irradiance of all texels with less noise. Texels that are not open, or not finite, keep what they
 /// have and give nothing.
+///
+/// Adaptive smoothing along surfaces by local polynomials (Polzehl and Spokoiny 2006), guided by the two
+/// halves of the rays (Rousselle et al. 2012): neighbours mix as long as they differ by no more than
+/// the noise explains. Equal inputs give equal results on any number of threads. With 64 rays it does
+/// what 6 to 18 times as many rays would; about 45 µs a texel on one core.
 #[must_use]
 pub fn denoise(layout: &Layout, gathered: &Gathered) -> Vec<Vec3> {
     let texels: Vec<LayoutTexel> = layout.texels().collect();
@@ -69,7 +74,9 @@ fn filter(texels: &[LayoutTexel], spacing: f32, mut halves: Halves) -> Vec<Vec3>
     let usable: Vec<bool> = texels
         .iter()
         .zip(&out)
-        .map(|(t, o)| t.open && o.is_finite() && t.position.is_finite() && t.normal.is_finite())
+        .map(|(t, o)| {
+            t.open && [*o, t.position, t.normal, t.geometric].iter().all(|v| v.is_finite())
+        })
         .collect();
     // Squares must not overflow, nor what isn't used be counted.
     let brightest = (0..texels.len())

@@ -9,7 +9,7 @@ use super::{
 };
 
 /// Radii in texels of the neighbourhoods.
-const RADII: [f32; 5] = [1.5, 2.5, 4.5, 8.0, 13.0];
+const RADII: [f32; 5] = [1.5, 2.5, 4.5, 7.5, 12.0];
 /// Up to this radius in texels light is taken as linear, beyond as quadratic.
 const LINEAR: f32 = 3.0;
 /// Texels that differ by more standard deviations don't mix.

@@ -18,7 +18,10 @@ const REACH: f32 = 3.0;
 /// The texels as points of surfaces.
 pub(super) struct Surface {
     position: Vec<Vec3A>,
+    /// What the texels' light is for.
     normal: Vec<Vec3A>,
+    /// Normals of their triangles.
+    geometric: Vec<Vec3A>,
     /// Edge of each texel in metres.
     edge: Vec<f32>,
     /// Whether a texel gives and takes.
@@ -47,6 +50,7 @@ impl Surface {
         let mut surface = Self {
             position: texels.iter().map(|t| t.position.into()).collect(),
             normal: texels.iter().map(|t| t.normal.into()).collect(),
+            geometric: texels.iter().map(|t| t.geometric.into()).collect(),
             edge: edges(texels, &grid, spacing),
             usable,
             spacing,
@@ -149,7 +153,11 @@ impl Surface {
     fn weight(&self, i: usize, j: usize) -> Option<f32> {
         let offset = self.position[j] - self.position[i];
         let cos = self.normal[i].dot(self.normal[j]);
-        let height = offset.dot(self.normal[i]).abs().max(offset.dot(self.normal[j]).abs());
+        // On a mesh with smooth normals these tell what goes on across its edges, those of the triangles
+        // what lies in one plane.
+        let off =
+            |normals: &[Vec3A]| offset.dot(normals[i]).abs().max(offset.dot(normals[j]).abs());
+        let height = off(&self.normal).min(off(&self.geometric));
         let alike = cos > COS && height <= 0.35 * offset.length() + 0.1 * self.edge[i];
         (alike && self.usable[j]).then(|| ((cos - COS) / (1.0 - COS)).min(1.0))
     }

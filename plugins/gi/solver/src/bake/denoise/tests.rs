@@ -19,6 +19,7 @@ fn floor(world: Vec3, page: [u32; 2], [width, height]: [u32; 2], chart: u32) -> 
             chart,
             position: world + Vec3::new(x as f32 + 0.5, 0.0, y as f32 + 0.5) * SPACING,
             normal: Vec3::Y,
+            geometric: Vec3::Y,
             open: true,
         })
         .collect()
@@ -212,6 +213,7 @@ fn nothing_hostile_gives_what_is_not_a_number() {
     let mut odd = whole.clone();
     odd[3].position = Vec3::NAN;
     odd[5].normal = Vec3::ZERO;
+    odd[6].geometric = Vec3::NAN;
     odd[7].position = Vec3::splat(f32::MAX);
     odd[9].position = odd[10].position;
     let mut wild = values(1.0);
