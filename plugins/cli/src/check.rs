@@ -4,6 +4,7 @@ mod baked;
 
 use std::path::{Path, PathBuf};
 
+use farlight_baker::lights::BakeLights;
 use farlight_gi_solver::settings::GiSettings;
 use farlight_server::ServerSettings;
 use serde::de::DeserializeOwned;
@@ -17,8 +18,9 @@ use crate::{
 ///
 /// The name of the file's outer struct tells what it is: ControlsSettings(...) holds input bindings,
 /// GiSettings(...) the settings of global illumination, ServerSettings(...) those of a lighting server,
-/// BakedManifest(...) baked lighting, whose pages and volumes are looked at too. Unknown fields, values of the wrong type and values out of range are errors that name the file, the
-/// line and the field.
+/// BakeLights(...) added lights and scenarios of a bake, BakedManifest(...) baked lighting, whose pages and
+/// volumes are looked at too. Unknown fields, values of the wrong type and values out of range are
+/// errors that name the file, the line and the field.
 ///
 /// Of bindings, inputs that do two things at once are warnings, on every device. A game adds actions of
 /// its own, which this command doesn't know: a name that is almost one of the suite's is an error,
@@ -43,7 +45,8 @@ struct Asked<'a> {
 }
 
 /// What can be checked: the outer name, and how.
-const KINDS: [(&str, fn(&Path, &str, Asked) -> Result<(), CliError>); 4] = [
+const KINDS: [(&str, fn(&Path, &str, Asked) -> Result<(), CliError>); 5] = [
+    ("BakeLights", |path, text, _| bake_lights(path, text)),
     ("BakedManifest", |path, text, _| baked::check(path, text)),
     ("ControlsSettings", |path, text, asked| controls::check(path, text, asked.game, asked.strict)),
     ("GiSettings", |path, text, _| gi_settings(path, text)),
@@ -82,6 +85,10 @@ fn check(path: &Path, text: &str, asked: Asked) -> Result<&'static str, CliError
     };
     check(path, text, asked)?;
     Ok(kind)
+}
+
+fn bake_lights(path: &Path, text: &str) -> Result<(), CliError> {
+    BakeLights::parse(path, text).map(drop).map_err(|error| CliError::new(error.to_string()))
 }
 
 fn gi_settings(path: &Path, text: &str) -> Result<(), CliError> {
@@ -175,8 +182,8 @@ mod tests {
         let error = result("\n\nSkySettings()").unwrap_err();
         assert_eq!(
             error,
-            "gi.ron:3: unknown kind SkySettings; known: BakedManifest, ControlsSettings, GiSettings, \
-             ServerSettings"
+            "gi.ron:3: unknown kind SkySettings; known: BakeLights, BakedManifest, ControlsSettings, \
+             GiSettings, ServerSettings"
         );
         let error = result("(bounces: 4)").unwrap_err();
         assert!(error.starts_with("gi.ron:1:") && error.contains("GiSettings"), "{error}");

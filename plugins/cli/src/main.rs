@@ -10,6 +10,7 @@ mod job;
 mod output;
 mod progress;
 mod serve;
+mod signals;
 
 use std::process::ExitCode;
 

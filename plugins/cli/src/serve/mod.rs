@@ -4,7 +4,6 @@ mod invite;
 mod log;
 mod memory;
 mod place;
-mod signals;
 
 use std::{
     io::{self, Write as _},
@@ -22,6 +21,7 @@ use tracing::{info, warn};
 use crate::{
     check::server_settings,
     error::{CliError, read_text},
+    signals::Signals,
 };
 
 /// Solve the light of games on other machines
@@ -105,7 +105,7 @@ pub(crate) fn run(args: &Args) -> Result<(), CliError> {
         token,
         authority: authority.fingerprint(),
     };
-    let signals = signals::Signals::new()?;
+    let signals = Signals::new()?;
     let sessions = settings.max_sessions;
     let server = Server::start(settings, Box::new(listener), token)
         .map_err(|e| CliError::new(e.to_string()))?;

@@ -7,14 +7,14 @@ use tokio::runtime::{Builder, Runtime};
 use crate::error::CliError;
 
 /// Listens for Ctrl-C and what else asks a process to end.
-pub(super) struct Signals {
+pub(crate) struct Signals {
     runtime: Runtime,
     source: Source,
 }
 
 impl Signals {
     /// From now on signals don't end the process by themselves.
-    pub(super) fn new() -> Result<Self, CliError> {
+    pub(crate) fn new() -> Result<Self, CliError> {
         let listen = || {
             let runtime = Builder::new_current_thread().enable_all().build()?;
             let source = {
@@ -29,7 +29,7 @@ impl Signals {
 
     /// Waits for one and returns its name, or nothing once `running`, which is asked every second,
     /// says no. From then on another one ends the process at once.
-    pub(super) fn wait(mut self, mut running: impl FnMut() -> bool) -> Option<&'static str> {
+    pub(crate) fn wait(mut self, mut running: impl FnMut() -> bool) -> Option<&'static str> {
         let look = Duration::from_secs(1);
         loop {
             let source = &mut self.source;

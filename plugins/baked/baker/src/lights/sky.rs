@@ -1,0 +1,65 @@
+//! Pictures of skies.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use farlight_baked_format::Fingerprint;
+use farlight_environment::{Environment, EnvironmentError, Layout};
+use farlight_gi_solver::scene::SkyImage;
+
+use super::{BakeLights, LightsError, SkySpec};
+
+/// A picture, read but not decoded.
+pub(crate) struct SkySource {
+    pub(crate) path: PathBuf,
+    pub(crate) fingerprint: Fingerprint,
+    bytes: Vec<u8>,
+    field: String,
+}
+
+/// Reads the pictures that scenarios name, by those names. `file` is the file of lights.
+pub(crate) fn read_skies(
+    file: &Path,
+    lights: &BakeLights,
+) -> Result<BTreeMap<String, SkySource>, LightsError> {
+    let folder = file.parent().unwrap_or(Path::new("."));
+    let mut skies = BTreeMap::new();
+    for (i, scenario) in lights.scenarios.iter().enumerate() {
+        let Some(SkySpec::Image { file: name, .. }) = &scenario.sky else { continue };
+        if skies.contains_key(name) {
+            continue;
+        }
+        let path = folder.join(name);
+        let field = format!("scenarios[{i}].sky.file");
+        let bytes = std::fs::read(&path).map_err(|source| LightsError::Sky {
+            file: file.to_owned(),
+            field: field.clone(),
+            problem: EnvironmentError::Io { path: path.clone(), source },
+        })?;
+        let fingerprint = Fingerprint::of(&bytes);
+        skies.insert(name.clone(), SkySource { path, fingerprint, bytes, field });
+    }
+    Ok(skies)
+}
+
+impl SkySource {
+    /// Decodes the picture.
+    pub(crate) fn decode(&self, file: &Path) -> Result<Arc<SkyImage>, LightsError> {
+        let map = Environment::read(&self.bytes, Layout::Equirect).map_err(|problem| {
+            let (file, field) = (file.to_owned(), self.field.clone());
+            LightsError::Sky {
+                file,
+                field,
+                problem: EnvironmentError::File {
+                    path: self.path.clone(),
+                    source: Box::new(problem),
+                },
+            }
+        })?;
+        let (width, height) = (map.width(), map.height());
+        Ok(Arc::new(SkyImage { width, height, texels: map.texels().to_vec() }))
+    }
+}
