@@ -3,6 +3,7 @@
 //! Pictures need a Vulkan device; Mesa's lavapipe will do.
 
 mod blending;
+mod files;
 mod folder;
 mod gi;
 mod life;
