@@ -171,7 +171,8 @@ impl Field<'_> {
 
         // What leaves texels before anything was reflected twice, and which of them are bright.
         let once = self.leaving_with(&straight);
-        self.set_leaving(&once);
+        let met = self.met_by(&rows, &members);
+        self.set_leaving(&once, &met);
         let albedo = &self.layout.patches.albedo;
         let reflected: Vec<Vec3> = rows
             .par_iter()
@@ -235,7 +236,7 @@ impl Field<'_> {
         }
         self.levels = levels;
         let last = self.leaving_with(self.levels.last().map_or(&[][..], Vec::as_slice));
-        self.set_leaving(&last);
+        self.set_leaving(&last, &met);
         Some(())
     }
 
@@ -251,9 +252,24 @@ impl Field<'_> {
         (0..self.layout.len()).map(of).collect()
     }
 
-    fn set_leaving(&mut self, leaving: &[Vec3]) {
+    /// How many kept rays met each texel, the mean over its cell.
+    fn met_by(&self, rows: &[Row], members: &[Vec<u32>]) -> Vec<f32> {
+        let mut cells = vec![0.0_f32; self.cells.count];
+        for link in rows.iter().flat_map(|row| &row.links) {
+            cells[self.cells.of[link.texel as usize] as usize] += 1.0;
+        }
+        let mut met = vec![0.0; self.layout.len()];
+        for (cell, texels) in cells.iter().zip(members) {
+            for &texel in texels {
+                met[texel as usize] = cell / texels.len() as f32;
+            }
+        }
+        met
+    }
+
+    fn set_leaving(&mut self, leaving: &[Vec3], met: &[f32]) {
         let mut drawn = vec![0.0; leaving.len()];
-        self.sources = Sources::new(self.world(), self.layout, &self.map, leaving, &mut drawn);
+        self.sources = Sources::new(self.world(), self.layout, leaving, met, &mut drawn);
         self.leaving = leaving.iter().zip(drawn).map(|(l, p)| l.extend(p)).collect();
     }
 

@@ -143,9 +143,4 @@ impl TexelMap {
             Some(SurfacePoint { triangle, bary })
         })
     }
-
-    /// Edge of a texel in metres at a texel's point.
-    pub(super) fn texel_edge(&self, triangle: u32) -> f32 {
-        1.0 / self.triangles[triangle as usize].density.max(1e-12).sqrt()
-    }
 }

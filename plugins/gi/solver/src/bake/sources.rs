@@ -7,13 +7,14 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{Layout, map::TexelMap};
+use super::Layout;
 use crate::{World, path::Table, sampling::PathSampler, scene::AlphaMode};
 
-/// Texels that leave more than this many times the mean radiance are drawn.
+/// Texels that leave more than this many times the mean radiance that rays meet are drawn.
 const BRIGHT: f32 = 4.0;
-/// Nothing is drawn unless this part of all light leaves such texels: drawing costs a ray.
-const SHARE: f32 = 0.15;
+/// Nothing is drawn unless this part of the light that rays meet comes from such texels: drawing costs a
+/// ray.
+const SHARE: f64 = 0.15;
 
 /// Bright texels and how they are drawn.
 #[derive(Default)]
@@ -23,43 +24,40 @@ pub(super) struct Sources {
 }
 
 impl Sources {
-    /// From the radiance that leaves each texel. Writes the probability with which each texel is drawn
-    /// into `probability`.
+    /// From the radiance that leaves each texel, and how many kept rays met each: what nobody sees, like
+    /// the sunny outside of a room, isn't worth a ray. Writes the probability with which each texel is
+    /// drawn into `probability`.
     pub(super) fn new(
         world: &World,
         layout: &Layout,
-        map: &TexelMap,
         leaving: &[Vec3],
+        met: &[f32],
         probability: &mut [f32],
     ) -> Self {
         probability.fill(0.0);
-        let mut texels = Vec::with_capacity(layout.len());
+        let weight = |t: usize| leaving[t].max_element() * met[t];
+        let light: f64 = (0..layout.len()).map(|t| f64::from(weight(t))).sum();
+        let rays: f64 = met.iter().map(|met| f64::from(*met)).sum();
+        let mean = (light / rays) as f32;
+        let mut texels = Vec::new();
         for receiver in &layout.patches.receivers {
-            let instance = &world.instances()[receiver.instance as usize];
-            let whole = !matches!(instance.material.alpha_mode, AlphaMode::Mask(_));
-            for (i, point) in receiver.texels.points.iter().enumerate() {
-                let texel = receiver.first + i as u32;
-                let edge = map.texel_edge(point.triangle + instance.first_triangle);
-                let radiance = leaving[texel as usize].max_element();
-                if layout.answers(texel as usize) && edge < 1e3 {
-                    texels.push((texel, radiance, edge * edge, whole));
-                }
+            let material = &world.instances()[receiver.instance as usize].material;
+            if matches!(material.alpha_mode, AlphaMode::Mask(_)) {
+                continue;
             }
+            let first = receiver.first as usize;
+            let bright = |t: &usize| leaving[*t].max_element() > mean * BRIGHT && weight(*t) > 0.0;
+            texels.extend((first..first + receiver.texels.len()).filter(bright).map(|t| t as u32));
         }
-        let sum = |of: &dyn Fn(&(u32, f32, f32, bool)) -> f64| texels.iter().map(of).sum::<f64>();
-        let power = sum(&|t| f64::from(t.1 * t.2));
-        let mean = (power / sum(&|t| f64::from(t.2))) as f32;
-        let bright = |t: &&(u32, f32, f32, bool)| t.3 && t.1 > mean * BRIGHT;
-        let theirs: f64 = texels.iter().filter(bright).map(|t| f64::from(t.1 * t.2)).sum();
-        if theirs.is_nan() || theirs <= power * f64::from(SHARE) {
+        let table = Table::new(texels.iter().map(|t| weight(*t as usize)));
+        if light.is_nan() || table.total() <= light * SHARE {
             return Self::default();
         }
-        let chosen: Vec<_> = texels.iter().filter(bright).collect();
-        let table = Table::new(chosen.iter().map(|t| t.1 * t.2));
-        for (texel, radiance, area, _) in &chosen {
-            probability[*texel as usize] = (f64::from(radiance * area) / table.total()) as f32;
+        for &texel in &texels {
+            probability[texel as usize] =
+                (f64::from(weight(texel as usize)) / table.total()) as f32;
         }
-        Self { table, texels: chosen.iter().map(|t| t.0).collect() }
+        Self { table, texels }
     }
 
     pub(super) fn is_empty(&self) -> bool {
