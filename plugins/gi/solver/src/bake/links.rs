@@ -104,11 +104,12 @@ impl Walker for Keep<'_> {
     fn ends(&mut self, end: &End) -> bool {
         let texel = end.met.texel;
         if end.before == 0 {
-            let exact = if end.met.exact { 1.0 } else { 0.0 };
-            let ratio = exact * end.met.solid_angle_pdf() / end.pdf;
+            let ratio = if end.met.exact { end.met.solid_angle_pdf() / end.pdf } else { 0.0 };
             self.row.links.push(Link { texel, ratio });
         } else {
-            let (throughput, before) = (end.throughput, end.before);
+            // Roulette may weigh a path up. That averages out in a sum, but not in one that is taken to
+            // the end: no row may send more light than arrives.
+            let (throughput, before) = (end.throughput.min(Vec3::ONE), end.before);
             self.row.longs.push(Long { texel, throughput, before });
         }
         true

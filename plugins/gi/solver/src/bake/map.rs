@@ -8,6 +8,9 @@ use crate::{
     lightmap::{NONE, SurfacePoint, barycentric},
 };
 
+/// Triangles with more texels a square metre have next to no area: nothing is known about them.
+const MOST_DENSE: f32 = 1e12;
+
 /// Which texel shows the front of a surface at a hit.
 pub(super) struct TexelMap {
     triangles: Vec<Triangle>,
@@ -63,8 +66,8 @@ impl TexelMap {
                     (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]),
                     (b - a).cross(c - a).length(),
                 );
-                let receiver =
-                    if density.is_finite() && density > 0.0 { index as u32 } else { NONE };
+                let usable = density > 0.0 && density < MOST_DENSE;
+                let receiver = if usable { index as u32 } else { NONE };
                 triangles[triangle] =
                     Triangle { corners, density, receiver, chart: texels.triangle_chart[i] };
             }

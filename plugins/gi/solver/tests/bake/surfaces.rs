@@ -116,6 +116,49 @@ fn triangles_are_not_in_their_own_shadow() {
     assert!(lit > 100);
 }
 
+/// In a closed room whose walls all emit and reflect alike the irradiance is π L / (1 - albedo); bounces
+/// are counted to the last.
+#[test]
+fn light_between_walls_adds_up() {
+    for (bounces, expected) in [(0, 2.0), (1, 1.5), (2, 1.75), (4, 1.9375)] {
+        let mut b = Builder::default();
+        let white = Vec3::splat(0.5);
+        b.room(Vec3::ZERO, Vec3::new(3.0, 2.0, 4.0), [white; 6], Vec3::ONE);
+        let (scene, _) = built(b);
+        let world = World::new(&scene);
+        let layout = layout(&scene, &world, 6.0);
+        let settings = GathererSettings { bounces, ..SETTINGS };
+        let gatherer = Gatherer::new(&world, &layout, settings, no_progress()).unwrap();
+        let mut gathered = Gathered::new(&layout);
+        gatherer.pass(&mut gathered, 64, no_progress()).unwrap();
+        let sum: f32 = (0..layout.len()).map(|i| gathered.irradiance(i).x / PI).sum();
+        let mean = sum / layout.len() as f32;
+        println!("{bounces} bounces: {mean} instead of {expected}");
+        assert!((mean / expected - 1.0).abs() < 3e-3, "{bounces}: {mean} {expected}");
+    }
+}
+
+/// Perfect reflectors keep light for ever: what comes out is finite, however they are made.
+#[test]
+fn perfect_reflectors_do_not_explode() {
+    let mut b = Builder::default();
+    b.room(Vec3::ZERO, Vec3::splat(2.0), [Vec3::ONE; 6], Vec3::ZERO);
+    // Half of the light meets a shell without texels first.
+    let mut shell = crate::common::quad(Vec3::new(0.0, 1.0, 0.0), Vec3::X * 2.0, Vec3::Z * 2.0);
+    shell.uv1.clear();
+    b.add(shell, Vec3::ONE, Vec3::ZERO);
+    b.point_light(1, Vec3::new(1.0, 0.5, 1.0), Vec3::ONE);
+    let (scene, _) = built(b);
+    let world = World::new(&scene);
+    let layout = layout(&scene, &world, 4.0);
+    let gatherer = Gatherer::new(&world, &layout, SETTINGS, no_progress()).unwrap();
+    let mut gathered = Gathered::new(&layout);
+    gatherer.pass(&mut gathered, 16, no_progress()).unwrap();
+    for i in 0..layout.len() {
+        assert!(gathered.irradiance(i).max_element() < 1e4, "{}", gathered.irradiance(i));
+    }
+}
+
 /// A thin wall stands across the texels of a floor, a box stands on it: no light gets through, and the
 /// floor is as bright at the foot of the wall as the wall lets it be.
 #[test]
