@@ -249,10 +249,10 @@ impl Running<'_> {
         };
         let done = done.clamp(0.0, 1.0);
         let later: f64 = lock(&self.work.steps).iter().map(|step| step.seconds).sum();
-        let known = elapsed > 2.0 && done > 0.02;
+        let known = done > 0.02 || (elapsed > self.step.seconds && done > 1e-3);
         let this = match self.end {
             Some(end) => Some(end.saturating_duration_since(now).as_secs_f64()),
-            None if known => Some(elapsed * (1.0 - done) / done),
+            None if known && elapsed > 1.0 => Some(elapsed * (1.0 - done) / done),
             // A guess: better than nothing where the stage is short.
             None => Some(self.step.seconds * (1.0 - done)),
         };

@@ -104,7 +104,7 @@ fn stopped_and_taken_up_again() {
     let partial = checked(&out).unwrap();
     assert!(!partial.complete);
     let rays = partial.scenarios[0].samples;
-    assert!(rays > 0 && rays < 65536 && rays % 64 == 0, "{rays}");
+    assert!(rays > 0 && rays < 65536 && rays.is_multiple_of(64), "{rays}");
 
     // The next whole multiple of a pass: quick, and the same as without a stop.
     let samples = (rays + 64).to_string();

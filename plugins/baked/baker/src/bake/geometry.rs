@@ -154,7 +154,7 @@ impl Geometry {
         }
         let glb = write(&input.source, &sets, options.scale)
             .map_err(|problem| BakeError::Gltf { file, problem })?;
-        let volumes = probes::grids(options, &world, &layout);
+        let volumes = probes::grids(options, &layout);
         let mut rest = Rest {
             glb,
             receivers: placed(input, imported, &layout),
@@ -398,8 +398,7 @@ fn left_out(input: &Input, id: InstanceId, reason: &str) -> LeftOut {
 }
 
 /// The box around all receivers.
-pub(super) fn bounds(world: &World, layout: &Layout) -> [Vec3; 2] {
-    let _ = world;
+pub(super) fn bounds(layout: &Layout) -> [Vec3; 2] {
     layout.texels().fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], texel| {
         [low.min(texel.position), high.max(texel.position)]
     })

@@ -1,6 +1,6 @@
 //! Where probes go.
 
-use farlight_gi_solver::{World, bake::Layout, session::ProbeGrid};
+use farlight_gi_solver::{bake::Layout, session::ProbeGrid};
 use glam::{UVec3, Vec3};
 
 use super::geometry::{bounds, unit_cube_to};
@@ -12,20 +12,21 @@ const MOST: u32 = 2000;
 const NEAREST: f32 = 0.5;
 /// Most probes along an axis: the textures stay small enough for every graphics card.
 const ALONG: u32 = 64;
+/// Least height of the box in metres.
+const HEIGHT: f32 = 2.0;
 /// By how much of its edges the box is smaller than the receivers' on each side: outer walls have a
 /// thickness, and nobody stands in them.
 const SHRINK: f32 = 0.01;
 
 /// Boxes of probes for a layout.
-pub(super) fn grids(options: &BakeOptions, world: &World, layout: &Layout) -> Vec<ProbeGrid> {
-    let [low, high] = bounds(world, layout);
-    let size = high - low;
-    if !size.is_finite() {
+pub(super) fn grids(options: &BakeOptions, layout: &Layout) -> Vec<ProbeGrid> {
+    let [low, mut high] = bounds(layout);
+    if !(high - low).is_finite() {
         return Vec::new();
     }
-    // A flat scene has air above it, too.
-    let size = size.max(Vec3::splat(size.max_element() * 0.01).max(Vec3::splat(1e-3)));
-    let (low, high) = ((low + high) * 0.5 - size * 0.5, (low + high) * 0.5 + size * 0.5);
+    // A floor alone has air above it, where things stand and move.
+    high.y = high.y.max(low.y + HEIGHT);
+    let (center, size) = ((low + high) * 0.5, (high - low).max(Vec3::splat(1e-3)));
     let resolution = match options.probes {
         Probes::None => return Vec::new(),
         Probes::Spacing(metres) => cells(size, metres),
@@ -37,8 +38,8 @@ pub(super) fn grids(options: &BakeOptions, world: &World, layout: &Layout) -> Ve
             cells(size, metres)
         }
     };
-    let shrink = size * SHRINK;
-    vec![ProbeGrid { transform: unit_cube_to(low + shrink, high - shrink), resolution }]
+    let half = size * (0.5 - SHRINK);
+    vec![ProbeGrid { transform: unit_cube_to(center - half, center + half), resolution }]
 }
 
 /// Probes along the edges of a box. Two at least: with one there is no gradient.
