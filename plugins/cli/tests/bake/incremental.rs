@@ -3,7 +3,7 @@
 use std::{fs, time::SystemTime};
 
 use crate::{
-    folder::{baked, checked, contents, page},
+    folder::{bake, baked, checked, contents, page},
     support::Folder,
 };
 
@@ -51,7 +51,9 @@ fn the_second_run_changes_no_file() {
         fs::write(entry.unwrap().path(), "x").unwrap();
     }
     fs::remove_file(out.join(&page.ktx2)).unwrap();
-    baked(&out, &QUICK);
+    let output = bake(&out, &QUICK);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && message.contains("is damaged and ignored"), "{message}");
     assert!(contents(&out) == before);
     fs::remove_dir_all(out.join(".bake")).unwrap();
     baked(&out, &with(&QUICK, &["--force"]));
@@ -71,8 +73,17 @@ fn more_samples_go_on_from_there() {
     let new = checked(&out).unwrap();
     assert_eq!(new.scenarios[0].samples, 192);
     assert!(new.scenarios[0].relative_error < old.scenarios[0].relative_error);
-    // Nothing of the old pages is left.
+    // Nothing of the old pages is left, nor of what is of no use any more.
     assert_eq!(contents(&out).len(), 5);
+    baked(&out, &with(&more, &["--seed", "2"]));
+    assert_eq!(contents(&out).len(), 5);
+    let kept = |kind: &str| {
+        let entries = fs::read_dir(out.join(".bake")).unwrap();
+        entries
+            .filter(|e| e.as_ref().unwrap().file_name().to_string_lossy().starts_with(kind))
+            .count()
+    };
+    assert_eq!(["gather-", "direct-", "done-", "last-", "probes-"].map(kept), [1; 5]);
 }
 
 #[test]

@@ -30,6 +30,8 @@ const STANDARD: f32 = 16.0;
 const PADDING: u32 = 2;
 /// How much of a page charts cover about, for the first guess of a density.
 const COVERAGE: f32 = 0.5;
+/// Instances get rectangles with edges of at least this part of those of the mesh's largest instance.
+const SMALLEST: f32 = 0.5;
 /// Second UV sets are made anew for another density where that differs by more than this factor: gutters
 /// are texels.
 const ANEW: f32 = 1.1;
@@ -119,7 +121,8 @@ impl Geometry {
             apply(imported, &sets);
             let running = work.begin(Stage::Layout, "", 1);
             let world = World::new(&imported.scene);
-            let layout = lay_out(options, &imported.scene, &world, &receivers, density, work)?;
+            let sized = enlarge_small(&imported.scene);
+            let layout = lay_out(options, &sized, &world, &receivers, density, work)?;
             let _ = running.tick(1);
             let ratio = layout.texels_per_metre / density;
             if anew == 2 || (1.0 / ANEW..=ANEW).contains(&ratio) || layout.is_empty() {
@@ -294,6 +297,27 @@ fn surface(scene: &Scene, instances: &[InstanceId]) -> f32 {
         }
     }
     area as f32
+}
+
+/// A scene for the sizes of rectangles: instances that are much smaller than the largest of the same mesh,
+/// whose gutters are made for that one, get more texels than their size asks for.
+fn enlarge_small(scene: &Scene) -> Scene {
+    let mut largest: BTreeMap<MeshId, f32> = BTreeMap::new();
+    let areas: BTreeMap<InstanceId, f32> =
+        scene.instances.keys().map(|&id| (id, surface(scene, &[id]))).collect();
+    for (id, instance) in &scene.instances {
+        let most = largest.entry(instance.mesh).or_default();
+        *most = most.max(areas[id]);
+    }
+    let mut scene = scene.clone();
+    for (id, instance) in &mut scene.instances {
+        let (area, most) = (areas[id], largest[&instance.mesh]);
+        let factor = SMALLEST * (most / area).sqrt();
+        if factor.is_finite() && factor > 1.0 {
+            instance.transform.matrix3 *= factor;
+        }
+    }
+    scene
 }
 
 /// Edge of the largest page that the options allow.
