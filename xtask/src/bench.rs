@@ -2,7 +2,7 @@
 
 use crate::args::Args;
 use crate::setup::{self, Purpose};
-use crate::{Failure, demo, environment, process, reference, soak};
+use crate::{Failure, bake_peer, demo, environment, process, reference, soak};
 
 pub(crate) const HELP: &str = "\
 cargo xtask bench [tracing] [--no-install] [-- OPTIONS]
@@ -10,6 +10,7 @@ cargo xtask bench btf [--gpu | --frames] [--json FILE] [--no-install] [-- OPTION
 cargo xtask bench ibl [--json FILE] [--no-install] [-- OPTIONS]
 cargo xtask bench controls [--json FILE] [--no-install] [-- OPTIONS]
 cargo xtask bench reference [--samples N] [--no-install]
+cargo xtask bench bake [--python PROGRAM] [--no-install] [-- OPTIONS]
 cargo xtask bench soak [server | demo] [--minutes N | --seconds N] [--no-install]
 
   tracing        rays per second on one core, ours beside Embree's where it is installed (Debian's
@@ -29,12 +30,17 @@ cargo xtask bench soak [server | demo] [--minutes N | --seconds N] [--no-install
                  hang, over a quiet desk
   reference      bakes two scenes and compares irradiance, probes and visibility with those of an
                  independent renderer, in the folder that FARLIGHT_TEST_DATA names
+  bake           bakes three scenes with `farlight bake` and, for as much processor time, with Blender's
+                 Cycles, and compares both with Mitsuba; needs Python 3.11 with bpy and mitsuba, and the
+                 folder that FARLIGHT_TEST_DATA names; says how to get them. After -- for example
+                 --scene TwoRooms --size 512 --quality draft
   soak server    runs `farlight serve` and clients that come, get light, leave in every way, come back
                  or send garbage, for ten minutes, and watches the memory of the server's process;
                  fails if it grows after the second fifth of the time, or a client got no light
   soak demo      the same for the demo, run headless
   soak           both, one after the other
 
+  --python PROGRAM  the Python that has them (default target/peers/bin/python)
   --samples N    paths a receiver (default 65536)
   --minutes N    how long to soak (default 10), or --seconds N; below five minutes a program is still
                  warming up
@@ -101,6 +107,12 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
             setup::prepare(&[Purpose::Build], install);
             reference::run(samples)
         }
+        Some("bake") => {
+            let python = args.value("--python")?;
+            let rest = args.finish()?;
+            setup::prepare(&[Purpose::Build], install);
+            bake_peer::run(python.as_deref(), &rest)
+        }
         Some("soak") => {
             let (server, demo) = match args.command().as_deref() {
                 None => (true, true),
@@ -126,7 +138,8 @@ pub(crate) fn run(mut args: Args) -> Result<(), Failure> {
             Ok(())
         }
         Some(other) => Err(format!(
-            "there is no benchmark '{other}': tracing, btf, ibl, controls, reference, soak."
+            "there is no benchmark '{other}': tracing, btf, ibl, controls, reference, bake, \
+             soak."
         )),
     }
 }

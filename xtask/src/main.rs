@@ -6,6 +6,7 @@
 
 mod args;
 mod assets;
+mod bake_peer;
 mod bench;
 mod ci;
 mod demo;
