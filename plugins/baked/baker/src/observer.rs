@@ -107,6 +107,15 @@ pub(crate) struct Step {
     pub(crate) stage: Stage,
     pub(crate) scenario: String,
     pub(crate) seconds: f64,
+    /// Whether the guess is a measurement: of the same stage of another scenario.
+    pub(crate) measured: bool,
+}
+
+impl Step {
+    /// A step with a guess.
+    pub(crate) fn new(stage: Stage, scenario: &str, seconds: f64) -> Self {
+        Self { stage, scenario: scenario.to_owned(), seconds, measured: false }
+    }
 }
 
 /// What all parts of a bake share: whom they tell, and whether they go on.
@@ -118,6 +127,8 @@ pub(crate) struct Work<'a> {
     is_outdated: &'a (dyn Fn() -> bool + Sync),
     pub(crate) start: Instant,
     steps: Mutex<VecDeque<Step>>,
+    /// Seconds that finished steps took, and that were guessed: machines differ, and are busy.
+    pace: Mutex<[f64; 2]>,
     warnings: Mutex<Vec<String>>,
     seconds: Mutex<Vec<(Stage, Duration)>>,
 }
@@ -128,6 +139,7 @@ pub(crate) struct Running<'a> {
     step: Step,
     total: u64,
     done: AtomicU64,
+    skipped: AtomicBool,
     start: Instant,
     /// When it was last told, in milliseconds since `start`.
     told: AtomicU64,
@@ -150,6 +162,7 @@ impl<'a> Work<'a> {
             is_outdated,
             start: Instant::now(),
             steps: Mutex::default(),
+            pace: Mutex::new([1.0; 2]),
             warnings: Mutex::default(),
             seconds: Mutex::default(),
         }
@@ -189,7 +202,7 @@ impl<'a> Work<'a> {
         *lock(&self.steps) = steps.into_iter().collect();
     }
 
-    /// Begins a stage of `total` units of work.
+    /// Begins a stage of `total` units of work; 0 where nothing tells how far it is.
     pub(crate) fn begin(&'a self, stage: Stage, scenario: &str, total: u64) -> Running<'a> {
         let step = {
             let mut steps = lock(&self.steps);
@@ -197,13 +210,13 @@ impl<'a> Work<'a> {
             // What was planned before it was skipped.
             found.and_then(|at| steps.drain(..=at).next_back())
         };
-        let step =
-            step.unwrap_or_else(|| Step { stage, scenario: scenario.to_owned(), seconds: 0.0 });
+        let step = step.unwrap_or_else(|| Step::new(stage, scenario, 0.0));
         let running = Running {
             work: self,
             step,
             total,
             done: AtomicU64::new(0),
+            skipped: AtomicBool::new(false),
             start: Instant::now(),
             told: AtomicU64::new(0),
             end: None,
@@ -216,6 +229,7 @@ impl<'a> Work<'a> {
 impl Running<'_> {
     /// So much is done already, from an earlier run.
     pub(crate) fn skip(&self, units: u64) {
+        self.skipped.store(true, Relaxed);
         self.done.fetch_add(units, Relaxed);
     }
 
@@ -243,18 +257,23 @@ impl Running<'_> {
     fn tell(&self) {
         let now = Instant::now();
         let elapsed = now.duration_since(self.start).as_secs_f64();
+        let [took, guessed] = *lock(&self.work.pace);
+        let pace = (took / guessed).clamp(0.2, 50.0);
+        let guess = self.step.guess(pace);
         let done = match self.end {
-            None => self.done.load(Relaxed) as f64 / self.total.max(1) as f64,
+            // It goes slower and slower towards the end of a guess that was too low.
+            None if self.total == 0 => 1.0 - (-2.0 * elapsed / guess.max(0.1)).exp(),
+            None => self.done.load(Relaxed) as f64 / self.total as f64,
             Some(end) => elapsed / end.duration_since(self.start).as_secs_f64().max(1e-3),
         };
         let done = done.clamp(0.0, 1.0);
-        let later: f64 = lock(&self.work.steps).iter().map(|step| step.seconds).sum();
-        let known = done > 0.02 || (elapsed > self.step.seconds && done > 1e-3);
+        let later: f64 = lock(&self.work.steps).iter().map(|step| step.guess(pace)).sum();
+        let known = done > 0.02 || (elapsed > guess && done > 1e-3);
         let this = match self.end {
             Some(end) => Some(end.saturating_duration_since(now).as_secs_f64()),
-            None if known && elapsed > 1.0 => Some(elapsed * (1.0 - done) / done),
+            None if known && elapsed > 1.0 && self.total > 0 => Some(elapsed * (1.0 - done) / done),
             // A guess: better than nothing where the stage is short.
-            None => Some(self.step.seconds * (1.0 - done)),
+            None => Some(guess * (1.0 - done)),
         };
         let left = this.map(|this| this + later).filter(|left| *left > 0.0);
         let event = Event::Progress(Progress {
@@ -274,16 +293,30 @@ impl Drop for Running<'_> {
     fn drop(&mut self) {
         let time = self.start.elapsed();
         lock(&self.work.seconds).push((self.step.stage, time));
-        // The same stage of other scenarios will take about as long.
+        // What was known before tells nothing.
         let complete = self.done.load(Relaxed) >= self.total && self.end.is_none();
-        if complete && self.step.seconds > 0.0 {
-            let ratio = (time.as_secs_f64() / self.step.seconds).clamp(0.01, 100.0);
-            for step in lock(&self.work.steps).iter_mut() {
-                if step.stage == self.step.stage {
-                    step.seconds *= ratio;
-                }
-            }
+        if !complete || self.step.seconds <= 0.0 || self.skipped.load(Relaxed) {
+            return;
         }
+        let took = time.as_secs_f64();
+        if !self.step.measured {
+            let [all, guessed] = &mut *lock(&self.work.pace);
+            *all += took;
+            *guessed += self.step.seconds;
+        }
+        // The same stage of other scenarios will take about as long.
+        let ratio = took / self.step.seconds;
+        for step in lock(&self.work.steps).iter_mut().filter(|s| s.stage == self.step.stage) {
+            step.seconds *= ratio;
+            step.measured = true;
+        }
+    }
+}
+
+impl Step {
+    /// Seconds that it will take, where others took `pace` times as long as was guessed.
+    fn guess(&self, pace: f64) -> f64 {
+        if self.measured { self.seconds } else { self.seconds * pace }
     }
 }
 

@@ -44,7 +44,7 @@ pub(crate) struct Args {
     /// One lightmap page of N x N texels (a power of two from 64 to 4096), as fine as fits
     #[arg(long, value_name = "N", help_heading = BAKE, conflicts_with = "receivers")]
     size: Option<u32>,
-    /// How well: draft, medium or high (256, 1024 or 4096 rays a texel) [default: medium]
+    /// How well: draft, medium or high (64, 256 or 1024 rays a texel) [default: medium]
     #[arg(long, value_name = "Q", help_heading = BAKE, conflicts_with_all = ["receivers", "samples", "time"])]
     quality: Option<Q>,
     /// Bake as well as possible in so many seconds, reading and writing included

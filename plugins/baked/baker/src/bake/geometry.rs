@@ -183,15 +183,14 @@ impl Geometry {
         let mut steps = Vec::new();
         for plan in plans {
             let mut step = |stage, seconds: f64| {
-                let scenario = plan.name.clone();
-                steps.push(Step { stage, scenario, seconds: seconds * 2.0 / threads });
+                steps.push(Step::new(stage, &plan.name, seconds * 2.0 / threads));
             };
             step(Stage::Direct, texels * 1e-5 * plan.lights.len() as f64);
             step(Stage::Exchange, 2.0 + texels * 1e-5);
             let paths = f64::from(options.effort.probe_paths());
-            step(Stage::Probes, f64::from(probes) * paths * 2e-6);
-            step(Stage::Gather, texels * rays * 4e-7);
-            step(Stage::Denoise, if options.denoise { texels * 2e-5 } else { 0.0 });
+            step(Stage::Probes, f64::from(probes) * paths * 1.2e-6);
+            step(Stage::Gather, texels * rays * 1.2e-6);
+            step(Stage::Denoise, if options.denoise { texels * 3e-5 } else { 0.0 });
             step(Stage::Write, texels * 1e-6 + 0.1);
         }
         steps

@@ -168,9 +168,7 @@ impl Bake {
 
 /// What is to be done, before more than the scenarios' names is known.
 fn guess(plans: &[Plan]) -> Vec<Step> {
-    let step =
-        |stage, scenario: &str, seconds| Step { stage, scenario: scenario.to_owned(), seconds };
-    let mut steps = vec![step(Stage::Unwrap, "", 3.0), step(Stage::Layout, "", 2.0)];
-    steps.extend(plans.iter().map(|plan| step(Stage::Gather, &plan.name, 60.0)));
+    let mut steps = vec![Step::new(Stage::Unwrap, "", 3.0), Step::new(Stage::Layout, "", 2.0)];
+    steps.extend(plans.iter().map(|plan| Step::new(Stage::Gather, &plan.name, 60.0)));
     steps
 }

@@ -62,7 +62,7 @@ impl Deadline {
             return Self { end: None, after: Duration::ZERO };
         };
         // Measured on two cores.
-        let seconds = texels as f64 * if options.denoise { 2.4e-5 } else { 4e-6 };
+        let seconds = texels as f64 * if options.denoise { 3.4e-5 } else { 4e-6 };
         let after =
             Duration::from_secs_f64(0.1 + seconds * 2.0 / rayon::current_num_threads() as f64);
         Self { end: Some(work.start + time), after }
@@ -97,7 +97,7 @@ impl Scenario<'_> {
             direct_sky: DirectSky::Included,
         };
         let gatherer = {
-            let running = self.work.begin(Stage::Exchange, &self.plan.name, 1);
+            let running = self.work.begin(Stage::Exchange, &self.plan.name, 0);
             Gatherer::new(world, layout, settings, &|_| running.tick(0))
         };
         let Some(gatherer) = gatherer else { return Ok(None) };
@@ -243,7 +243,9 @@ impl Scenario<'_> {
             .unwrap_or_else(|| Gathered::new(layout));
         let texels = layout.len() as u64;
         let mut running = self.work.begin(Stage::Gather, &self.plan.name, texels * u64::from(most));
-        running.skip(texels * u64::from(gathered.rays));
+        if gathered.rays > 0 {
+            running.skip(texels * u64::from(gathered.rays));
+        }
         if let Some(end) = end {
             running.until(end);
         }
@@ -277,10 +279,8 @@ impl Scenario<'_> {
     fn pages(&self, gathered: &Gathered, direct: &[Vec3]) -> Result<Vec<String>, BakeError> {
         let layout = &self.geometry.layout;
         let mut light: Vec<Vec3> = if self.options.denoise {
-            let running = self.work.begin(Stage::Denoise, &self.plan.name, 1);
-            let light = denoise(layout, gathered);
-            let _ = running.tick(1);
-            light
+            let _running = self.work.begin(Stage::Denoise, &self.plan.name, 0);
+            denoise(layout, gathered)
         } else {
             (0..layout.len()).map(|i| gathered.irradiance(i)).collect()
         };
