@@ -197,6 +197,12 @@ impl<'a> Work<'a> {
         Stage::ALL.map(|stage| (stage, of(stage))).to_vec()
     }
 
+    /// How many times as long as was guessed finished steps took.
+    pub(crate) fn pace(&self) -> f64 {
+        let [took, guessed] = *lock(&self.pace);
+        (took / guessed).clamp(0.2, 50.0)
+    }
+
     /// Says what will be done, so that the time that is left can be told.
     pub(crate) fn plan(&self, steps: impl IntoIterator<Item = Step>) {
         *lock(&self.steps) = steps.into_iter().collect();
@@ -257,8 +263,7 @@ impl Running<'_> {
     fn tell(&self) {
         let now = Instant::now();
         let elapsed = now.duration_since(self.start).as_secs_f64();
-        let [took, guessed] = *lock(&self.work.pace);
-        let pace = (took / guessed).clamp(0.2, 50.0);
+        let pace = self.work.pace();
         let guess = self.step.guess(pace);
         let done = match self.end {
             // It goes slower and slower towards the end of a guess that was too low.

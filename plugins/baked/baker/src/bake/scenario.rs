@@ -61,10 +61,10 @@ impl Deadline {
         let Effort::Time(time) = options.effort else {
             return Self { end: None, after: Duration::ZERO };
         };
-        // Measured on two cores.
+        // Measured on two cores; this machine may be slower, or busy.
         let seconds = texels as f64 * if options.denoise { 3.4e-5 } else { 4e-6 };
-        let after =
-            Duration::from_secs_f64(0.1 + seconds * 2.0 / rayon::current_num_threads() as f64);
+        let seconds = 0.1 + seconds * 2.0 / rayon::current_num_threads() as f64;
+        let after = Duration::from_secs_f64(seconds * work.pace());
         Self { end: Some(work.start + time), after }
     }
 
