@@ -81,8 +81,10 @@ fn parts() -> Vec<Part> {
 }
 
 fn materials() -> Vec<glb::Material> {
-    let material =
-        |name, image, roughness| glb::Material { name, color: [1.0; 3], image, roughness };
+    let material = |name, image, roughness| {
+        let double_sided = false;
+        glb::Material { name, color: [1.0; 3], image, roughness, double_sided }
+    };
     vec![
         material("planks", Some(0), 0.55),
         glb::Material { color: [0.8, 0.79, 0.77], ..material("ceiling", None, 0.9) },

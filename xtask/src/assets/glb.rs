@@ -12,6 +12,9 @@ pub(super) struct Material {
     /// Index of an image.
     pub(super) image: Option<usize>,
     pub(super) roughness: f32,
+    /// Whether backs are drawn too. Bevy's shadow maps leave out backs that are not: a lamp outside
+    /// would shine through a wall that faces the inside.
+    pub(super) double_sided: bool,
 }
 
 /// The file of a scene: one node, mesh and primitive a part.
@@ -123,8 +126,9 @@ fn material(material: &Material) -> String {
     let [r, g, b] = material.color;
     let image =
         material.image.map_or(String::new(), |i| format!(r#","baseColorTexture":{{"index":{i}}}"#));
+    let sides = if material.double_sided { r#","doubleSided":true"# } else { "" };
     format!(
-        r#"{{"name":"{}","pbrMetallicRoughness":{{"baseColorFactor":[{r},{g},{b},1],"metallicFactor":0,"roughnessFactor":{}{image}}}}}"#,
+        r#"{{"name":"{}","pbrMetallicRoughness":{{"baseColorFactor":[{r},{g},{b},1],"metallicFactor":0,"roughnessFactor":{}{image}}}{sides}}}"#,
         material.name, material.roughness
     )
 }
@@ -186,13 +190,26 @@ pub(super) fn write_surfaces(name: &str, surfaces: &[Surface]) -> Vec<u8> {
         ));
     }
     let materials = [
-        material(&Material { name: "btf", color: [0.6, 0.55, 0.48], image: None, roughness: 0.8 }),
-        material(&Material { name: "bead", color: [0.01; 3], image: None, roughness: 0.18 }),
+        material(&Material {
+            name: "btf",
+            color: [0.6, 0.55, 0.48],
+            image: None,
+            roughness: 0.8,
+            double_sided: false,
+        }),
+        material(&Material {
+            name: "bead",
+            color: [0.01; 3],
+            image: None,
+            roughness: 0.18,
+            double_sided: false,
+        }),
         material(&Material {
             name: "form",
             color: [0.05, 0.04, 0.035],
             image: None,
             roughness: 0.9,
+            double_sided: false,
         }),
     ];
     let json = format!(
