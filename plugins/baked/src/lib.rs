@@ -60,6 +60,15 @@
 //! Bevy adds an ambient light of its own by default; set `GlobalAmbientLight::NONE`, or it is seen
 //! on top of baked light.
 //!
+//! # Limits
+//! - What moves casts no shadow of a baked light onto lightmapped surfaces: bake such a light with
+//!   `direct: Realtime`.
+//! - Bevy's shadow maps leave out the backs of single-sided materials. A sun outside then shines through walls
+//!   that face the inside, onto what moves and as a reflection on floors: make them double-sided or thick.
+//! - On the web Bevy has no irradiance volumes.
+//! - Changes of `bicubic`, of lightmaps' places by another bake, and the first dimming of a single scenario
+//!   that is not `dimmable` cost a frame without lightmaps: Bevy takes a lightmap's place only once.
+//!
 //! # Units
 //! Bevy's: lumens, lux, cd/m². Texels and voxels hold E / π in cd/m² for
 //! `StandardMaterial::lightmap_exposure` 1.

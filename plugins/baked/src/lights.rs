@@ -86,6 +86,10 @@ impl Shine<'_> {
         (Color::linear_rgb(colour.x, colour.y, colour.z), most)
     }
 
+    fn is_on(&self) -> bool {
+        self.colour().1 > 0.0
+    }
+
     fn range(&self) -> f32 {
         if self.light.range > 0.0 { self.light.range } else { FAR }
     }
@@ -103,7 +107,6 @@ pub(crate) struct LightQueries<'w, 's> {
     point: Query<'w, 's, &'static mut PointLight>,
     spot: Query<'w, 's, &'static mut SpotLight>,
     sun: Query<'w, 's, &'static mut DirectionalLight>,
-    visibility: Query<'w, 's, &'static mut Visibility, With<BakedPart>>,
 }
 
 /// A light component as it was in the file.
@@ -158,9 +161,7 @@ impl Lights {
         }
         for (&entity, shine) in self.added.iter().zip(&plan.added) {
             queries.shine(entity, shine);
-            if let Ok(mut visibility) = queries.visibility.get_mut(entity) {
-                visibility.set_if_neq(shown(shine));
-            }
+            queries.cast_shadows(entity, shine.is_on());
         }
     }
 
@@ -236,6 +237,26 @@ impl LightQueries<'_, '_> {
         }
     }
 
+    /// A light that doesn't shine costs no shadow map. (It isn't hidden instead: a directional light of
+    /// Bevy 0.19.1 that was hidden and is shown again has lost its shadows.)
+    fn cast_shadows(&mut self, entity: Entity, on: bool) {
+        if let Ok(mut light) = self.point.get_mut(entity)
+            && light.shadow_maps_enabled != on
+        {
+            light.shadow_maps_enabled = on;
+        }
+        if let Ok(mut light) = self.spot.get_mut(entity)
+            && light.shadow_maps_enabled != on
+        {
+            light.shadow_maps_enabled = on;
+        }
+        if let Ok(mut light) = self.sun.get_mut(entity)
+            && light.shadow_maps_enabled != on
+        {
+            light.shadow_maps_enabled = on;
+        }
+    }
+
     fn restore(&mut self, entity: Entity, original: Original) {
         match original {
             Original::Point(light) => {
@@ -257,19 +278,13 @@ impl LightQueries<'_, '_> {
     }
 }
 
-/// A light that doesn't shine costs no shadow map.
-fn shown(shine: &Shine) -> Visibility {
-    if shine.colour().1 > 0.0 { Visibility::Inherited } else { Visibility::Hidden }
-}
-
 /// A light that the bake added, below the root. It casts shadows: objects without a lightmap, and
 /// what shines on lightmapped ones, are lit by it too.
 fn spawn(shine: &Shine, root: Entity, commands: &mut Commands) -> Entity {
     let (color, most) = shine.colour();
     let (intensity, range, radius) = (most * 4.0 * PI, shine.range(), shine.light.radius);
     let name = if shine.light.name.is_empty() { "baked light" } else { &shine.light.name };
-    let common =
-        (BakedPart, Name::new(name.to_owned()), shine.transform(), shown(shine), ChildOf(root));
+    let common = (BakedPart, Name::new(name.to_owned()), shine.transform(), ChildOf(root));
     let affects_lightmapped_mesh_diffuse = !shine.baked;
     let mut entity = commands.spawn(common);
     match shine.light.kind {
@@ -278,7 +293,7 @@ fn spawn(shine: &Shine, root: Entity, commands: &mut Commands) -> Entity {
             intensity,
             range,
             radius,
-            shadow_maps_enabled: true,
+            shadow_maps_enabled: shine.is_on(),
             affects_lightmapped_mesh_diffuse,
             ..default()
         }),
@@ -289,14 +304,14 @@ fn spawn(shine: &Shine, root: Entity, commands: &mut Commands) -> Entity {
             radius,
             inner_angle: inner,
             outer_angle: outer,
-            shadow_maps_enabled: true,
+            shadow_maps_enabled: shine.is_on(),
             affects_lightmapped_mesh_diffuse,
             ..default()
         }),
         LightKind::Directional => entity.insert(DirectionalLight {
             color,
             illuminance: most,
-            shadow_maps_enabled: true,
+            shadow_maps_enabled: shine.is_on(),
             affects_lightmapped_mesh_diffuse,
             ..default()
         }),

@@ -119,6 +119,8 @@ fn problem(
 ) -> Option<String> {
     let file = || server.get_path(image).map_or_else(|| "a texture".into(), |p| p.to_string());
     if let Some(LoadState::Failed(error)) = server.get_load_state(image) {
+        let error = error.to_string();
+        let error = error.lines().next().unwrap_or_default();
         return Some(format!("{} is not loaded: {error}", file()));
     }
     let Some(loaded) = images.get(image) else {

@@ -215,7 +215,10 @@ impl Todo<'_, '_, '_, '_, '_, '_, '_> {
         let id = lighting.manifest.id();
         let Some(manifest) = sources.manifests.get(id) else {
             return match sources.server.get_load_state(id) {
-                Some(LoadState::Failed(error)) => root.fail(error.to_string()),
+                // What follows is where in the engine it happened.
+                Some(LoadState::Failed(error)) => {
+                    root.fail(error.to_string().lines().next().unwrap_or_default().to_owned());
+                }
                 _ => root.wait(),
             };
         };
