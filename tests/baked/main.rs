@@ -2,6 +2,7 @@
 //!
 //! Pictures need a Vulkan device; Mesa's lavapipe will do.
 
+mod against_live;
 mod blending;
 mod files;
 mod folder;
