@@ -188,3 +188,8 @@ struct XrPage;
 #[cfg(all(doctest, feature = "panel"))]
 #[doc = include_str!("../docs/panel.md")]
 struct PanelPage;
+
+/// And that of the page about baking.
+#[cfg(all(doctest, feature = "baked"))]
+#[doc = include_str!("../docs/baking.md")]
+struct BakingPage;
