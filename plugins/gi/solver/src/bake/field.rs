@@ -25,8 +25,9 @@ use crate::{
     visibility::offset_origin,
 };
 
-/// What a ray meets nearer than this many edges of its cell is followed further. (Measured in
-/// `tests/bake`: the bias of what is nearer is below 0.3 % from 1 on.)
+/// What a ray meets nearer than this many edges of its cell is followed further. With coarse texels,
+/// where it matters most, the sum of light differs from the path tracer's by -0.17 +- 0.03 % (TwoRooms,
+/// 3.3 texels a metre) and +0.02 +- 0.03 % (CornellBox, 2.5): `examples/bake_error.rs`.
 const NEAR: f32 = 1.0;
 /// What a ray meets nearer than this many texels gets its own shadow rays.
 const NEAREST: f32 = 3.0;

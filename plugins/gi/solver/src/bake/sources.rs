@@ -4,6 +4,10 @@
 //! that leave much more light than most are drawn like points of an emitter, and what a ray meets by
 //! chance is weighed against that (multiple importance sampling, Veach and Guibas 1995). The idea is
 //! that of virtual area lights, here as dense as the lightmap itself.
+//!
+//! In hotel-room, with a lamp and a sun, drawing them takes the median error of 128 rays a texel from 8.0
+//! to 6.0 %, its 95th percentile from 43 to 35 %, and about twice the time: there that is a draw. The
+//! smaller and brighter the patch, the more it gains.
 
 use glam::{Vec2, Vec3};
 
