@@ -305,17 +305,18 @@ impl RonSettings for Viewer {
         if self.models.is_empty() {
             return Err(FieldProblem::new("models", "at least one is needed"));
         }
-        for model in &self.models {
-            within("models.uv_metres", model.uv_metres, 1e-6, 1e6)?;
+        for (at, model) in self.models.iter().enumerate() {
+            within(&format!("models[{at}].uv_metres"), model.uv_metres, 1e-6, 1e6)?;
         }
-        for material in &self.materials {
-            within("materials.gain", material.gain, 0.0, 100.0)?;
+        for (at, material) in self.materials.iter().enumerate() {
+            within(&format!("materials[{at}].gain"), material.gain, 0.0, 100.0)?;
             if let Some((width, height)) = material.size {
-                within("materials.size", width.min(height), 1e-6, 1e3)?;
+                within(&format!("materials[{at}].size"), width.min(height), 1e-6, 1e3)?;
             }
         }
-        for environment in &self.environments {
-            within("environments.brightness", environment.brightness, 0.0, 1e6)?;
+        for (at, environment) in self.environments.iter().enumerate() {
+            let field = format!("environments[{at}].brightness");
+            within(&field, environment.brightness, 0.0, 1e6)?;
         }
         let Start { object, material, environment, .. } = &self.start;
         let listed = |field: &str, name: &str, names: &mut dyn Iterator<Item = &String>| {

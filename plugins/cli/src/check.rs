@@ -106,15 +106,12 @@ pub(crate) fn server_settings(path: &Path, text: &str) -> Result<ServerSettings,
 }
 
 fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, CliError> {
-    ron::from_str(text).map_err(|e| {
-        let start = e.span.start;
-        CliError::in_file(path, format_args!("{}:{}", start.line, start.col), &e.code)
-    })
+    farlight_ron::parse(text).map_err(|error| CliError::beside(path, error))
 }
 
 fn out_of_range(path: &Path, text: &str, field: &str, what: &dyn std::fmt::Display) -> CliError {
-    match line_of(text, field) {
-        Some(line) => CliError::in_file(path, line, what),
+    match farlight_ron::place_of(text, field) {
+        Some((line, _)) => CliError::in_file(path, line, what),
         None => CliError::in_file(path, " ", what),
     }
 }
@@ -139,19 +136,6 @@ fn outer_name(text: &str) -> (usize, &str) {
     let before = &text[..text.len() - rest.len()];
     let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
     (before.matches('\n').count() + 1, &rest[..end])
-}
-
-/// The line on which a field is set, outside of line comments.
-fn line_of(text: &str, field: &str) -> Option<usize> {
-    let sets = |line: &str| {
-        let code = line.split("//").next().unwrap_or_default();
-        code.match_indices(field).any(|(at, _)| {
-            let before = code[..at].chars().next_back();
-            !before.is_some_and(|c| c.is_alphanumeric() || c == '_')
-                && code[at + field.len()..].trim_start().starts_with(':')
-        })
-    };
-    text.lines().position(sets).map(|i| i + 1)
 }
 
 #[cfg(test)]

@@ -82,6 +82,11 @@ fn errors_say_where_and_what_was_meant() {
             ],
         ),
         (
+            "    bindings",
+            "    unused: [\"pan\", \"zom\"],\n    bindings",
+            &["c.ron:2:21: unused[1]: \"zom\": there is no such action; did you mean zoom?"],
+        ),
+        (
             "gamepad",
             "gampad",
             &[

@@ -96,13 +96,21 @@ impl Changes {
     fn read(file: &ControlsFile) -> Result<Self, ControlsFileError> {
         let options = Options::default().with_default_extension(Extensions::IMPLICIT_SOME);
         let fields: Fields = options.from_str(&file.text).map_err(|error| {
-            let (line, column) = (error.span.start.line, error.span.start.col);
-            let error =
-                FileError { line, column, field: String::new(), message: error.code.to_string() };
+            let error = FileError::new(&file.text, &error);
             ControlsFileError::Text { file: file.file.clone(), error }
         })?;
         let Fields { preset, invert_zoom, invert_look, sensitivity, .. } = fields;
-        let bindings = file.bindings.bindings.clone();
+        // Somebody may have written it who says more shortly what we say device by device.
+        let mut bindings = BTreeMap::new();
+        for name in file.bindings.bindings.keys().chain(&file.bindings.unused) {
+            let mut own = ActionBindings::default();
+            for device in Device::ALL {
+                let chosen = file.bindings.chosen(name, device).cloned();
+                let none = file.bindings.is_unused(name).then(Vec::new);
+                *own.own_mut(device) = chosen.or(none);
+            }
+            bindings.insert(name.clone(), own);
+        }
         Ok(Self { preset, invert_zoom, invert_look, sensitivity, bindings })
     }
 
@@ -153,6 +161,11 @@ impl Layers {
     /// Writes the user's changes, soon.
     pub(crate) fn save(&mut self) {
         self.save = true;
+    }
+
+    /// Whether something is being written, or has to be.
+    pub(crate) fn is_saving(&self) -> bool {
+        self.save || self.saving.is_some()
     }
 
     /// What counts where the user has changed nothing.
@@ -278,15 +291,12 @@ pub(crate) fn follow_file(
     status.problems = layers.problems.concat();
 }
 
-/// Names conflicts when bindings change.
+/// Names conflicts, after bindings have changed.
 pub(crate) fn check(
     in_force: Res<ControlsInForce>,
     entities: Res<ActionEntities>,
     mut status: ResMut<ControlsStatus>,
 ) {
-    if !in_force.is_changed() {
-        return;
-    }
     let infos = entities.all.iter().map(|action| action.info);
     status.added = infos.filter(|info| farlight_bindings::action(info.name).is_none()).collect();
     let mut conflicts = Vec::new();
@@ -307,9 +317,6 @@ pub(crate) fn save(
     entities: Res<ActionEntities>,
     mut status: ResMut<ControlsStatus>,
 ) {
-    if !layers.save && layers.saving.is_none() {
-        return;
-    }
     if let Some(task) = &mut layers.saving {
         let Some(result) = check_ready(task) else { return };
         layers.saving = None;
@@ -365,6 +372,22 @@ mod tests {
         let other = bindings("ControlsSettings(invert_look: true)");
         assert!(changes.over(&other).invert_look);
         assert_eq!(Changes::between(&base, &base, ACTIONS), Changes::default());
+    }
+
+    #[test]
+    fn a_file_by_hand_may_speak_of_all_devices() {
+        let text =
+            "ControlsSettings(unused: [\"pan\"], bindings: {\"menu\": (xr: [\"Left.Menu\"])})";
+        let file = parse("user", text.into()).unwrap();
+        let now = Changes::read(&file).unwrap().over(&Bindings::default());
+        for device in Device::ALL {
+            assert_eq!(now.of("pan", device), [], "{device}");
+            let menu = match device {
+                Device::Xr(_) => bindings(text).of("menu", device),
+                _ => Bindings::default().of("menu", device),
+            };
+            assert_eq!(now.of("menu", device), menu, "{device}");
+        }
     }
 
     #[test]

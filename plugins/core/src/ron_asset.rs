@@ -6,6 +6,7 @@ use bevy::{
     asset::{AssetLoader, LoadContext, io::Reader},
     prelude::*,
 };
+use farlight_ron::{FileError, place_of};
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
@@ -13,7 +14,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("{field}: {message}")]
 pub struct FieldProblem {
-    /// The field's name as it stands in the file.
+    /// The field's path as it stands in the file: `camera.position`, `models[2].size`.
     pub field: String,
     /// What is wrong and what would be right.
     pub message: String,
@@ -69,7 +70,7 @@ pub enum RonError {
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// The field that was being read, where there was one.
+        /// The field that was being read, where there was one: `models[2].size`.
         field: Option<String>,
         /// What is wrong.
         message: String,
@@ -79,7 +80,7 @@ pub enum RonError {
     Range {
         /// Which file.
         file: String,
-        /// The line that sets the field; `None` if it isn't set there.
+        /// The line that sets the field, or the nearest one round it; `None` if none is set there.
         line: Option<usize>,
         /// The field and what is wrong.
         problem: FieldProblem,
@@ -91,54 +92,17 @@ pub enum RonError {
 /// # Errors
 /// [`RonError::Parse`] and [`RonError::Range`].
 pub fn parse_ron<T: RonSettings>(file: &str, text: &str) -> Result<T, RonError> {
-    let value: T = ron::from_str(text).map_err(|error| {
-        let start = error.span.start;
-        RonError::Parse {
-            file: file.to_owned(),
-            line: start.line,
-            column: start.col,
-            field: field_before(text, start.line, start.col),
-            message: error.code.to_string(),
-        }
+    let value: T = farlight_ron::parse(text).map_err(|error| {
+        let FileError { line, column, field, message } = error;
+        let field = (!field.is_empty()).then_some(field);
+        RonError::Parse { file: file.to_owned(), line, column, field, message }
     })?;
     value.check().map_err(|problem| RonError::Range {
         file: file.to_owned(),
-        line: line_of_field(text, &problem.field),
+        line: place_of(text, &problem.field).map(|(line, _)| line),
         problem,
     })?;
     Ok(value)
-}
-
-/// The last `name:` at or before a position.
-fn field_before(text: &str, line: usize, column: usize) -> Option<String> {
-    let text: String = text
-        .lines()
-        .take(line)
-        .enumerate()
-        .map(|(i, l)| if i + 1 == line { l.chars().take(column).collect() } else { l.to_owned() })
-        .collect::<Vec<_>>()
-        .join("\n");
-    let colon = text.rfind(':')?;
-    let name: String = text[..colon]
-        .trim_end()
-        .chars()
-        .rev()
-        .take_while(|c| c.is_alphanumeric() || *c == '_')
-        .collect();
-    (!name.is_empty()).then(|| name.chars().rev().collect())
-}
-
-fn line_of_field(text: &str, field: &str) -> Option<usize> {
-    let field = field.rsplit('.').next()?;
-    let names_it = |line: &str| {
-        let code = line.split("//").next().unwrap_or_default();
-        code.match_indices(field).any(|(at, _)| {
-            let before = code[..at].chars().next_back();
-            let after = code[at + field.len()..].trim_start();
-            !before.is_some_and(|c| c.is_alphanumeric() || c == '_') && after.starts_with(':')
-        })
-    };
-    text.lines().position(names_it).map(|line| line + 1)
 }
 
 /// Loads `T` from RON files. Changes of the file reach [`Assets<T>`](Assets) when the asset server

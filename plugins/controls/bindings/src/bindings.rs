@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Binding, Device, Input, Preset, Profile, defaults,
-    serial::{list, unique},
+    serial::{list, names, unique},
 };
 
 /// The inputs of an action, by device. An empty list binds nothing; what is left out stays as it is
@@ -116,6 +116,10 @@ pub struct Bindings {
     pub invert_look: bool,
     /// Factor on all that moves, 0.05 to 20.
     pub sensitivity: Sensitivity,
+    /// Actions that no device does by default: they have the inputs that `bindings` give them, and no
+    /// others. Help and tables don't speak of those that have none.
+    #[serde(deserialize_with = "names")]
+    pub unused: Vec<String>,
     /// By the name of the action. Actions that the game adds stand here too.
     #[serde(deserialize_with = "unique")]
     pub bindings: BTreeMap<String, ActionBindings>,
@@ -135,13 +139,28 @@ impl Default for Sensitivity {
 impl Bindings {
     /// What is bound to an action on a device. Inputs that a controller doesn't have are left out.
     pub fn of(&self, action: &str, device: Device) -> Vec<Binding> {
-        let chosen = self.bindings.get(action).and_then(|own| own.of(device));
-        let bound = match chosen {
+        let bound = match self.chosen(action, device) {
             Some(list) => list.clone(),
-            None => defaults::of(action, device, self.preset),
+            None => self.default_of(action, device),
         };
         let has = |binding: &Binding| binding.inputs().iter().all(|input| input.is_of(device));
         bound.into_iter().filter(has).collect()
+    }
+
+    /// The list in `bindings` that counts for an action on a device: its own, or that of all headset
+    /// controllers; `None` if the default counts.
+    pub fn chosen(&self, action: &str, device: Device) -> Option<&Vec<Binding>> {
+        self.bindings.get(action)?.of(device)
+    }
+
+    /// Whether `unused` names an action.
+    pub fn is_unused(&self, action: &str) -> bool {
+        self.unused.iter().any(|name| name == action)
+    }
+
+    /// What counts where `bindings` say nothing.
+    fn default_of(&self, action: &str, device: Device) -> Vec<Binding> {
+        if self.is_unused(action) { Vec::new() } else { defaults::of(action, device, self.preset) }
     }
 
     /// Binds inputs to an action on a device, whatever was bound before.
@@ -152,11 +171,12 @@ impl Bindings {
 
     /// Binds to an action on a device what is bound by default.
     pub fn restore(&mut self, action: &str, device: Device) {
+        let default = self.default_of(action, device);
         let Some(own) = self.bindings.get_mut(action) else { return };
         *own.own_mut(device) = None;
         // What is set for all headsets still counts.
         if own.of(device).is_some() {
-            *own.own_mut(device) = Some(defaults::of(action, device, self.preset));
+            *own.own_mut(device) = Some(default);
         }
     }
 
@@ -167,7 +187,7 @@ impl Bindings {
             for device in Device::ALL {
                 let otherwise = match (device, &own.xr) {
                     (Device::Xr(_), Some(list)) => list.clone(),
-                    _ => defaults::of(name, device, self.preset),
+                    _ => self.default_of(name, device),
                 };
                 if own.own(device) == Some(&otherwise) {
                     *own.own_mut(device) = None;

@@ -1,9 +1,8 @@
 //! What is wrong with bindings.
 
-use crate::{
-    ACTIONS, ActionBindings, ActionInfo, Binding, Bindings, Device, Sensitivity, Shape,
-    near::nearest, places::place_of,
-};
+use farlight_ron::{nearest, place_of};
+
+use crate::{ACTIONS, ActionBindings, ActionInfo, Binding, Bindings, Device, Sensitivity, Shape};
 
 /// How bad a problem is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -59,11 +58,22 @@ impl Bindings {
             let message = format!("is {sensitivity}, must be 0.05 to 20");
             problems.add(Severity::Error, "sensitivity", message);
         }
+        let known = |name: &str| ACTIONS.iter().chain(added).find(|info| info.name == name);
+        for (at, name) in self.unused.iter().enumerate() {
+            let field = format!("unused[{at}]");
+            if known(name).is_none() {
+                let short: String = name.chars().take(64).collect();
+                unknown(&mut problems, &field, name, &format!("{short:?}: "), added);
+            }
+            if self.unused[..at].contains(name) {
+                problems.add(Severity::Warning, &field, "is there already");
+            }
+        }
         for (name, own) in &self.bindings {
             let field = format!("bindings.{}", name.chars().take(64).collect::<String>());
-            let info = ACTIONS.iter().chain(added).find(|info| info.name == name);
+            let info = known(name);
             if info.is_none() {
-                unknown(&mut problems, &field, name, added);
+                unknown(&mut problems, &field, name, "", added);
             }
             own.check(&mut problems, &field, info);
         }
@@ -71,17 +81,18 @@ impl Bindings {
     }
 }
 
-fn unknown(problems: &mut Problems, field: &str, name: &str, added: &[ActionInfo]) {
+/// No action has this name; `subject` says it where the field doesn't.
+fn unknown(problems: &mut Problems, field: &str, name: &str, subject: &str, added: &[ActionInfo]) {
     match nearest(name, ACTIONS.iter().chain(added).map(|info| info.name)) {
         Some(near) => problems.add(
             Severity::Error,
             field,
-            format!("there is no such action; did you mean {near}?"),
+            format!("{subject}there is no such action; did you mean {near}?"),
         ),
         None => problems.add(
             Severity::Note,
             field,
-            "no action of the suite; good if the game adds it under this name",
+            format!("{subject}no action of the suite; good if the game adds it under this name"),
         ),
     }
 }

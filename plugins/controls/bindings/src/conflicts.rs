@@ -2,7 +2,9 @@
 
 use std::{collections::BTreeMap, fmt};
 
-use crate::{ActionInfo, Binding, Bindings, Context, Device, places::place_of};
+use farlight_ron::place_of;
+
+use crate::{ActionInfo, Binding, Bindings, Context, Device};
 
 /// An input that does more than one thing at once.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -2,32 +2,12 @@
 
 use std::fmt::Write as _;
 
-use crate::{
-    ActionBindings, Binding, Bindings, Context, Device, Preset, Sensitivity,
-    near::{meant, nearest},
-    places::{field_at, token_at},
-};
+use farlight_ron::{FileError, parse};
+
+use crate::{ActionBindings, Binding, Bindings, Context, Device, Preset, Sensitivity};
 
 /// Longest text of a file of bindings, in bytes.
 pub const MAX_FILE: usize = 1 << 20;
-
-/// Why a text is no file of bindings.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{line}:{column}: {}{message}", prefix(.field))]
-pub struct FileError {
-    /// The line, from 1.
-    pub line: usize,
-    /// The column in characters, from 1.
-    pub column: usize,
-    /// The field: `bindings.orbit.gamepad[0]`; empty if it lies in none.
-    pub field: String,
-    /// What is wrong, and what may have been meant.
-    pub message: String,
-}
-
-fn prefix(field: &str) -> String {
-    if field.is_empty() { String::new() } else { format!("{field}: ") }
-}
 
 impl Bindings {
     /// Reads `ControlsSettings(...)`. It may be well formed and still make no sense:
@@ -40,18 +20,13 @@ impl Bindings {
             let message = format!("longer than {MAX_FILE} bytes");
             return Err(FileError { line: 1, column: 1, field: String::new(), message });
         }
-        ron::from_str(text).map_err(|error| {
-            let start = error.span.start;
-            let (line, column) = token_at(text, (start.line, start.col));
-            let field = field_at(text, (line, column));
-            FileError { line, column, field, message: message(&error.code) }
-        })
+        parse(text)
     }
 
     /// Writes what differs from the defaults, with a few words at the head.
     pub fn to_ron(&self) -> String {
         let mut text = String::from(HEAD);
-        let Self { preset, invert_zoom, invert_look, sensitivity, bindings } =
+        let Self { preset, invert_zoom, invert_look, sensitivity, unused, bindings } =
             self.without_defaults();
         text += "ControlsSettings(\n";
         if preset != Preset::default() {
@@ -66,6 +41,7 @@ impl Bindings {
         if sensitivity != Sensitivity::default() {
             let _ = writeln!(text, "    sensitivity: {:?},", sensitivity.0);
         }
+        names(&mut text, &unused);
         if !bindings.is_empty() {
             text += "    bindings: {\n";
             for (name, own) in &bindings {
@@ -82,25 +58,30 @@ const HEAD: &str = "\
 // `farlight check FILE` says what is wrong in this file and which inputs do two things at once.
 ";
 
-/// What the parser says, in words that a person can act on.
-fn message(code: &ron::Error) -> String {
-    use ron::Error as E;
-    let known = |what: &str, found: &String, expected: &[&str]| {
-        let near = nearest(found, expected.iter().filter(|name| **name != found));
-        let others = match near {
-            Some(near) => meant(Some(&near)),
-            None => format!("; there are {}", expected.join(", ")),
-        };
-        let found: String = found.chars().take(40).collect();
-        format!("there is no {what} {found:?}{others}")
-    };
-    match code {
-        E::NoSuchStructField { expected, found, .. } => known("field", found, expected),
-        E::NoSuchEnumVariant { expected, found, .. } => known("value", found, expected),
-        E::MissingStructField { field, .. } => format!("{field} is missing"),
-        E::DuplicateStructField { field, .. } => format!("{field} is there twice"),
-        other => other.to_string(),
+/// The actions that no device does, as many on a line as fit.
+fn names(text: &mut String, unused: &[String]) {
+    if unused.is_empty() {
+        return;
     }
+    let names: Vec<_> =
+        unused.iter().map(|name| ron::to_string(name).unwrap_or_default()).collect();
+    let line = format!("    unused: [{}],\n", names.join(", "));
+    if line.chars().count() <= 100 {
+        *text += &line;
+        return;
+    }
+    *text += "    unused: [";
+    let mut length = usize::MAX;
+    for name in names {
+        let more = name.chars().count() + 2;
+        if length.saturating_add(more) > 100 {
+            *text += "\n       ";
+            length = 7;
+        }
+        let _ = write!(text, " {name},");
+        length += more;
+    }
+    *text += "\n    ],\n";
 }
 
 /// A list as files have it.
@@ -177,7 +158,9 @@ pub fn defaults_ron(preset: Preset) -> String {
     text += "    // Zooming goes the other way.\n    invert_zoom: false,\n";
     text += "    // Looking up and down is exchanged.\n    invert_look: false,\n";
     text += "    // Factor on all that moves, 0.05 to 20.\n    sensitivity: 1.0,\n";
-    text += "    bindings: {\n";
+    text +=
+        "    // Actions that no device does by default: only what `bindings` give them counts.\n";
+    text += "    unused: [],\n    bindings: {\n";
     let mut context = None;
     for info in crate::ACTIONS {
         if context != Some(info.context) {
@@ -206,11 +189,11 @@ pub fn defaults_ron(preset: Preset) -> String {
 
 const DEFAULTS_HEAD: &str = "\
 // Controls: everything as it is by default. Keep what you change; what is left out stays as it is. An
-// empty list binds nothing. Inputs are keys by their place (KeyM, ArrowLeft, F1), MouseLeft, LeftDrag,
-// Wheel, South, LeftStick, LeftTrigger, WiiA, OneFingerDrag, Left.Trigger, Right.Stick; KeyA|KeyD is
-// less and more, KeyA|KeyD|KeyS|KeyW left, right, down and up; Shift+, Ctrl+, Alt+ or any button and a
-// + before it must be held. (input: \"LeftStick\", dead_zone: 0.15, curve: 2.0, scale: 120.0) treats
-// values: what is held gives scale a second, what moves gives scale for each unit of its own.
-// `xr: [...]` is for all controllers of headsets that have the input; xr_touch, xr_index, xr_vive,
-// xr_simple and xr_hands go before it.
+// empty list binds nothing; `unused` takes an action from all devices. Inputs are keys by their place
+// (KeyM, ArrowLeft, F1), MouseLeft, LeftDrag, Wheel, South, LeftStick, LeftTrigger, WiiA,
+// OneFingerDrag, Left.Trigger, Right.Stick; KeyA|KeyD is less and more, KeyA|KeyD|KeyS|KeyW left,
+// right, down and up; Shift+, Ctrl+, Alt+ or any button and a + before it must be held.
+// (input: \"LeftStick\", dead_zone: 0.15, curve: 2.0, scale: 120.0) treats values: what is held gives
+// scale a second, what moves gives scale for each unit of its own. `xr: [...]` is for all controllers
+// of headsets that have the input; xr_touch, xr_index, xr_vive, xr_simple and xr_hands go before it.
 ";

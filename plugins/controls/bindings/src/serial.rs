@@ -150,6 +150,32 @@ pub(crate) mod list {
     }
 }
 
+/// Names of actions.
+pub(crate) fn names<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<String>, D::Error> {
+    struct Visitor;
+
+    impl<'de> de::Visitor<'de> for Visitor {
+        type Value = Vec<String>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a list of actions such as [\"pan\", \"rise\"]")
+        }
+
+        fn visit_seq<A: de::SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+            let mut names = Vec::new();
+            while let Some(name) = seq.next_element()? {
+                if names.len() == MAX_ACTIONS {
+                    return Err(de::Error::custom(format_args!("more than {MAX_ACTIONS} actions")));
+                }
+                names.push(name);
+            }
+            Ok(names)
+        }
+    }
+
+    from.deserialize_seq(Visitor)
+}
+
 /// Every action once.
 pub(crate) fn unique<'de, D: Deserializer<'de>>(
     deserializer: D,

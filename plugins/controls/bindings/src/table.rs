@@ -73,6 +73,8 @@ fn cell(bindings: &Bindings, info: &ActionInfo, device: Device) -> String {
         || matches!(info.name, "grab_left" | "grab_right");
     match (info.context, device) {
         _ if !in_room.is_empty() => format!("in a room: {in_room}"),
+        // Not in a menu either.
+        _ if bindings.is_unused(info.name) => "-".into(),
         // The panel is pointed at, or touched.
         (Context::Panel, Device::Touch | Device::Xr(_)) => "on the panel".into(),
         // A game knows whether its own actions are in a menu.

@@ -2,10 +2,9 @@
 
 use std::str::FromStr;
 
-use crate::{
-    Binding, Held, Input, Shape, Source,
-    near::{meant, nearest},
-};
+use farlight_ron::{meant, nearest};
+
+use crate::{Binding, Held, Input, Shape, Source};
 
 /// Why a text is no binding.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -98,6 +98,35 @@ fn problems_name_the_field_and_say_what_would_be_right() {
 }
 
 #[test]
+fn unused_actions_are_actions() {
+    let text = "ControlsSettings(unused: [\"pan\",\n  \"rize\", \"jump\"])";
+    let mut bindings = Bindings::from_ron(text).unwrap();
+    let problems = bindings.check(&[]);
+    let said: Vec<_> = problems.iter().map(|p| format!("{:?} {p}", p.severity)).collect();
+    assert_eq!(
+        said,
+        [
+            "Error unused[1]: \"rize\": there is no such action; did you mean rise?",
+            "Note unused[2]: \"jump\": no action of the suite; good if the game adds it under this name",
+        ]
+    );
+    assert_eq!(
+        problems.iter().filter_map(|p| p.place(text)).collect::<Vec<_>>(),
+        [(2, 3), (2, 11)]
+    );
+    bindings.unused = vec!["pan".into(), "jump".into(), "pan".into()];
+    let jump = own("jump", ActionKind::Button, Context::Scene);
+    let said: Vec<_> = bindings.check(&[jump]).iter().map(ToString::to_string).collect();
+    assert_eq!(said, ["unused[2]: is there already"]);
+    // What nobody does is in nobody's way.
+    let rise = "\"reset\": (keyboard_mouse: [\"Space\"])";
+    let mut bindings = self::bindings(rise);
+    assert_eq!(bindings.conflicts(Device::KeyboardMouse, &[]).len(), 1);
+    bindings.unused = vec!["rise".into()];
+    assert_eq!(bindings.conflicts(Device::KeyboardMouse, &[]), []);
+}
+
+#[test]
 fn sensitivity_has_a_range() {
     for (value, good) in
         [("0.05", true), ("20", true), ("0.04", false), ("21", false), ("NaN", false)]

@@ -75,3 +75,21 @@ fn the_examples_files_are_good_and_change_nothing() {
         assert_eq!(bindings.without_defaults(), defaults, "{name}");
     }
 }
+
+#[test]
+fn the_gallery_has_what_it_needs_and_no_more() {
+    let text = read("assets/config/gallery.controls.ron");
+    let bindings = Bindings::from_ron(&text).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(bindings.check(&[]), []);
+    for device in Device::ALL {
+        assert_eq!(bindings.conflicts(device, &[]), [], "{device}");
+        for action in &bindings.unused {
+            assert_eq!(bindings.of(action, device), [], "{action} on {device}");
+        }
+        let help = farlight_bindings::help_text(&bindings, device, &[]);
+        assert!(!help.contains("material") && !help.contains("Turn the"), "{help}");
+    }
+    let table = farlight_bindings::table(&bindings, &Device::ALL, &[]);
+    let pan = table.lines().find(|line| line.contains("`pan`")).unwrap();
+    assert!(pan.ends_with("`pan` | - | - | - | - | - | - | - | - | - |"), "{pan}");
+}

@@ -23,6 +23,7 @@ fn full() -> Bindings {
         invert_zoom: true,
         invert_look: true,
         sensitivity: Sensitivity(1.75),
+        unused: vec!["pan".into(), "a \"game's\" other\n".into()],
         ..Bindings::default()
     };
     bindings.bindings.insert(
@@ -139,6 +140,45 @@ fn a_list_for_all_headsets_counts_where_there_is_none_of_its_own() {
 }
 
 #[test]
+fn an_unused_action_has_the_inputs_of_the_file_and_no_others() {
+    let text = "ControlsSettings(
+        unused: [\"pan\", \"menu\", \"jump\"],
+        bindings: {\"menu\": (keyboard_mouse: [\"Tab\"], xr: [\"Left.Menu\"])},
+    )";
+    let mut bindings = Bindings::from_ron(text).unwrap();
+    assert!(bindings.is_unused("pan") && !bindings.is_unused("orbit"));
+    for device in Device::ALL {
+        assert_eq!(bindings.of("pan", device), [], "{device}");
+        assert_eq!(bindings.of("orbit", device), Bindings::default().of("orbit", device));
+    }
+    assert_eq!(bindings.of("menu", Device::KeyboardMouse), [binding("Tab")]);
+    assert_eq!(bindings.of("menu", Device::Gamepad), []);
+    assert_eq!(bindings.of("menu", Device::Xr(Profile::Vive)), [binding("Left.Menu")]);
+    assert_eq!(Bindings::from_ron(&bindings.to_ron()), Ok(bindings.clone()));
+    // What is as it is anyway is left out: here, nothing.
+    bindings.set("pan", Device::Gamepad, vec![]);
+    assert!(!bindings.without_defaults().bindings.contains_key("pan"));
+    for device in Device::ALL {
+        bindings.restore("menu", device);
+        assert_eq!(bindings.of("menu", device), [], "{device}");
+    }
+    // Who finds it after all, has it.
+    bindings.set("pan", Device::Gamepad, vec![binding("RightStick")]);
+    assert_eq!(bindings.of("pan", Device::Gamepad), [binding("RightStick")]);
+    assert_eq!(bindings.of("pan", Device::KeyboardMouse), []);
+}
+
+#[test]
+fn many_unused_actions_stand_on_lines_that_people_read() {
+    let unused = ACTIONS.iter().map(|info| info.name.to_owned()).collect();
+    let bindings = Bindings { unused, ..Bindings::default() };
+    let text = bindings.to_ron();
+    assert!(text.lines().all(|line| line.chars().count() <= 101), "{text}");
+    assert!(text.lines().count() < 20, "{text}");
+    assert_eq!(Bindings::from_ron(&text), Ok(bindings));
+}
+
+#[test]
 fn the_file_of_defaults_changes_nothing() {
     for preset in Preset::ALL {
         let text = defaults_ron(preset);
@@ -200,6 +240,7 @@ fn errors_name_line_column_and_field() {
             "ControlsSettings(bindings: {\n \"menu\": (),\n \"menu\": (),\n})",
             "3:2: bindings.menu: \"menu\" is there twice",
         ),
+        ("ControlsSettings(\n  unused: \"menu\",\n)", "2:11: unused: Expected opening `[`"),
     ] {
         let found = Bindings::from_ron(text).unwrap_err();
         assert_eq!(found.to_string(), error);
@@ -213,6 +254,9 @@ fn files_have_bounds() {
     assert!(Bindings::from_ron(&many).unwrap_err().message.contains("more than 16"));
     let actions: String = (0..600).map(|n| format!("\"a{n}\": (),")).collect();
     let many = format!("ControlsSettings(bindings: {{{actions}}})");
+    assert!(Bindings::from_ron(&many).unwrap_err().message.contains("more than 512"));
+    let names: String = (0..600).map(|n| format!("\"a{n}\",")).collect();
+    let many = format!("ControlsSettings(unused: [{names}])");
     assert!(Bindings::from_ron(&many).unwrap_err().message.contains("more than 512"));
     let long = format!("ControlsSettings({})", " ".repeat(1 << 20));
     assert!(Bindings::from_ron(&long).unwrap_err().message.contains("longer"));

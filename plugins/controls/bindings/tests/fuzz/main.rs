@@ -29,7 +29,7 @@ const OWN: ActionInfo = ActionInfo {
 
 #[test]
 fn fuzz_bindings_file() {
-    let small = "ControlsSettings(preset: Room, sensitivity: 2.0, invert_zoom: true, bindings: {
+    let small = "ControlsSettings(preset: Room, sensitivity: 2.0, invert_zoom: true, unused: [\"pan\", \"rise\"], bindings: {
         \"menu\": (keyboard_mouse: [\"Shift+KeyM\"], xr: [\"Left.Menu\"]), // mine
         \"orbit\": (gamepad: (input: \"LeftStick\", dead_zone: 0.2, curve: 2, scale: -9e1, invert_x: true)),
         \"jump\": (touch: [], xr_vive: [\"Left.TrackpadClick+Left.TrackpadUp\"]), /* own */

@@ -6,10 +6,10 @@ const DEEPEST: usize = 12;
 const LONGEST: usize = 64;
 
 /// A place in a text: line and column in characters, from 1.
-pub(crate) type Place = (usize, usize);
+pub type Place = (usize, usize);
 
 /// The field at a place: `bindings.orbit.gamepad[0].scale`; empty outside of all fields.
-pub(crate) fn field_at(text: &str, place: Place) -> String {
+pub fn field_at(text: &str, place: Place) -> String {
     let mut path = String::new();
     scan(text, |at, now| {
         if at <= place {
@@ -20,8 +20,8 @@ pub(crate) fn field_at(text: &str, place: Place) -> String {
     path
 }
 
-/// Where a field is, or the nearest one round it.
-pub(crate) fn place_of(text: &str, field: &str) -> Option<Place> {
+/// Where a field is (`bindings.orbit.gamepad[0]`), or the nearest one round it; `None` if there is none.
+pub fn place_of(text: &str, field: &str) -> Option<Place> {
     let mut best = None;
     scan(text, |at, now| {
         let path = join(now);

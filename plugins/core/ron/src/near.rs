@@ -1,10 +1,7 @@
 //! What somebody may have meant.
 
-/// The name with the fewest differences, if they are few.
-pub(crate) fn nearest<S: AsRef<str>>(
-    name: &str,
-    names: impl IntoIterator<Item = S>,
-) -> Option<String> {
+/// The name with the fewest differences, if they are few: at most three, and a third of the letters.
+pub fn nearest<S: AsRef<str>>(name: &str, names: impl IntoIterator<Item = S>) -> Option<String> {
     if name.len() > 64 {
         return None;
     }
@@ -16,7 +13,7 @@ pub(crate) fn nearest<S: AsRef<str>>(
 }
 
 /// `; did you mean KeyM?`, or nothing.
-pub(crate) fn meant(near: Option<&str>) -> String {
+pub fn meant(near: Option<&str>) -> String {
     near.map(|near| format!("; did you mean {near}?")).unwrap_or_default()
 }
 

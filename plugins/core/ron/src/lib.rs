@@ -1,0 +1,25 @@
+//! Settings in [RON](https://docs.rs/ron), read for people: an error says in which line and which field
+//! something is wrong, and what may have been meant. Knows no engine, no file and no settings of its own.
+//!
+//! ```
+//! #[derive(serde::Deserialize, Debug)]
+//! #[serde(deny_unknown_fields)]
+//! struct Lamp {
+//!     watts: f32,
+//! }
+//!
+//! let text = "Lamp(\n    wats: 60.0,\n)";
+//! let error = farlight_ron::parse::<Lamp>(text).unwrap_err();
+//! assert_eq!(error.to_string(), "2:5: wats: there is no field \"wats\"; did you mean watts?");
+//!
+//! // A check of one's own finds the place of a field by its path.
+//! assert_eq!(farlight_ron::place_of("Lamps(all: [(watts: -1.0)])", "all[0].watts"), Some((1, 14)));
+//! ```
+
+mod error;
+mod near;
+mod places;
+
+pub use error::{FileError, parse};
+pub use near::{meant, nearest};
+pub use places::{Place, field_at, place_of};
