@@ -7,8 +7,13 @@ use farlight_bindings::{ACTIONS, ActionInfo, Context, first_hint};
 /// Seconds for which a row is alight after it was used.
 const AFTERGLOW: f32 = 0.7;
 const TEXT: Color = Color::srgb(0.90, 0.91, 0.93);
-const DIM: Color = Color::srgb(0.68, 0.70, 0.74);
-const LIT: Color = Color::srgb(1.0, 0.72, 0.30);
+const DIM: Color = Color::srgb(0.79, 0.81, 0.85);
+const LIT: Color = Color::srgb(1.0, 0.75, 0.34);
+/// Behind rows: what is behind it changes little, so that a white object leaves every text a contrast of
+/// 4.5 and more (WCAG 2, AA).
+const BEHIND: Color = Color::srgba(0.03, 0.035, 0.045, 0.96);
+/// How much a row that is used is tinted; the bar at its edge says it louder, and no text is on it.
+const TINT: f32 = 0.07;
 
 /// The columns that hold rows.
 #[derive(Component)]
@@ -50,7 +55,7 @@ pub fn spawn(mut commands: Commands) {
             border_radius: BorderRadius::all(px(8)),
             ..default()
         };
-        (Column(side), node, BackgroundColor(Color::srgba(0.03, 0.035, 0.045, 0.78)))
+        (Column(side), node, BackgroundColor(BEHIND))
     };
     commands.spawn(column(0));
     commands.spawn(column(1));
@@ -116,13 +121,15 @@ fn row(parent: &mut ChildSpawnerCommands, action: &'static ActionInfo, inputs: &
     let node = Node {
         width: percent(100),
         padding: UiRect::axes(px(6), px(2)),
+        border: UiRect::left(px(4)),
         column_gap: px(10),
         justify_content: JustifyContent::SpaceBetween,
         align_items: AlignItems::Center,
         border_radius: BorderRadius::all(px(4)),
         ..default()
     };
-    let row = (Row { action, glow: 0.0 }, node, BackgroundColor(Color::NONE));
+    let bar = BorderColor::all(Color::NONE);
+    let row = (Row { action, glow: 0.0 }, node, BackgroundColor(Color::NONE), bar);
     parent.spawn(row).with_children(|row| {
         row.spawn((Text::new(action.label), font(12.5), TextColor(TEXT)));
         row.spawn(Node { column_gap: px(8), align_items: AlignItems::Center, ..default() })
@@ -136,20 +143,21 @@ fn row(parent: &mut ChildSpawnerCommands, action: &'static ActionInfo, inputs: &
 
 /// Lights up what is used.
 pub fn light_up(
-    mut rows: Query<(&mut Row, &mut BackgroundColor)>,
+    mut rows: Query<(&mut Row, &mut BackgroundColor, &mut BorderColor)>,
     mut numbers: Query<(&Says, &mut Text)>,
     values: ActionValues,
     mut performed: MessageReader<ActionPerformed>,
     time: Res<Time>,
 ) {
     let pressed: Vec<_> = performed.read().map(|performed| performed.action.name).collect();
-    for (mut row, mut background) in &mut rows {
+    for (mut row, mut background, mut bar) in &mut rows {
         let used = values.get(row.action.name).is_some_and(|says| says.held);
         if used || pressed.contains(&row.action.name) {
             row.glow = AFTERGLOW;
         }
         let alpha = row.glow / AFTERGLOW;
-        background.set_if_neq(BackgroundColor(LIT.with_alpha(0.13 * alpha)));
+        background.set_if_neq(BackgroundColor(LIT.with_alpha(TINT * alpha)));
+        bar.set_if_neq(BorderColor::all(LIT.with_alpha(alpha)));
         row.glow = (row.glow - time.delta_secs()).max(0.0);
     }
     for (Says(name), mut text) in &mut numbers {

@@ -21,12 +21,6 @@ struct Memory {
     silent: bool,
 }
 
-/// What an action says in this frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Said {
-    pub(crate) value: Vec2,
-}
-
 /// The bindings in force, and what they remember.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Evaluator {
@@ -68,8 +62,8 @@ impl Evaluator {
     }
 
     /// Writes what each action says.
-    pub(crate) fn evaluate(&mut self, inputs: &Inputs, frame: Frame, said: &mut [Said]) {
-        said.fill(Said::default());
+    pub(crate) fn evaluate(&mut self, inputs: &Inputs, frame: Frame, said: &mut [Vec2]) {
+        said.fill(Vec2::ZERO);
         for (armed, binding) in self.armed.iter_mut().zip(&self.bindings) {
             let down = |slot: &u16| inputs.is_down(*slot, binding.context);
             *armed = binding.is_of(frame.profile)
@@ -105,8 +99,8 @@ impl Evaluator {
             let said = &mut said[usize::from(binding.action)];
             if value != Vec2::ZERO && value.is_finite() {
                 match binding.kind {
-                    ActionKind::Button => said.value = value,
-                    _ => said.value += value,
+                    ActionKind::Button => *said = value,
+                    _ => *said += value,
                 }
             }
         }

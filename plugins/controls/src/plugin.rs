@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use bevy::{
+    asset::AssetLoadFailedEvent,
     input::{InputSystems, keyboard::KeyboardFocusLost, touch::TouchInput},
     prelude::*,
 };
@@ -15,7 +16,7 @@ use crate::{
     contexts::{GlobalContext, PanelContext, SceneContext},
     device,
     file::ControlsLoader,
-    layers,
+    layers::{self, Layers},
     read::{self, ActionEntities},
     rebinding, recorder,
     sample::{self, Sampling},
@@ -106,23 +107,35 @@ impl Plugin for ControlsPlugin {
             .add_systems(
                 PreUpdate,
                 (
+                    // What has nothing to do is no task of the executor, which would allocate.
                     (
-                        sample::rebind,
-                        sample::follow_panel,
+                        sample::rebind.run_if(sample::is_stale),
+                        sample::follow_panel.run_if(resource_changed::<InputCapture>),
                         sample::sample,
                         device::follow_device,
-                        rebinding::rebind,
-                        recorder::replay,
+                        rebinding::rebind.run_if(|rebinding: Res<Rebinding>| rebinding.is_busy()),
+                        recorder::replay.run_if(|replay: Res<ActionReplay>| replay.is_playing()),
                     )
                         .chain()
                         .in_set(ControlsSystems::Sample),
-                    (read::announce, recorder::record).in_set(ControlsSystems::Announce),
+                    (
+                        read::announce,
+                        recorder::record
+                            .run_if(|recorder: Res<ActionRecorder>| recorder.is_recording()),
+                    )
+                        .in_set(ControlsSystems::Announce),
                 ),
             );
         if app.is_plugin_added::<AssetPlugin>() {
-            app.init_asset::<ControlsFile>()
-                .init_asset_loader::<ControlsLoader>()
-                .add_systems(PreUpdate, layers::follow_file.before(ControlsSystems::Sample));
+            app.init_asset::<ControlsFile>().init_asset_loader::<ControlsLoader>().add_systems(
+                PreUpdate,
+                layers::follow_file
+                    .run_if(
+                        on_message::<AssetEvent<ControlsFile>>
+                            .or_eager(on_message::<AssetLoadFailedEvent<ControlsFile>>),
+                    )
+                    .before(ControlsSystems::Sample),
+            );
         }
         let user_file = match &self.user_file {
             UserFile::OfTheProgram => layers::default_user_file(),
@@ -130,7 +143,14 @@ impl Plugin for ControlsPlugin {
             UserFile::Nowhere => None,
         };
         layers::open(app.world_mut(), self.file.as_deref(), user_file);
-        app.add_systems(Last, (layers::check, layers::save).chain());
+        app.add_systems(
+            Last,
+            (
+                layers::check.run_if(resource_changed::<ControlsInForce>),
+                layers::save.run_if(|layers: Res<Layers>| layers.is_saving()),
+            )
+                .chain(),
+        );
         actions::add_all(app);
         #[cfg(not(target_family = "wasm"))]
         if self.gamepads && !app.is_plugin_added::<GamepadThreadPlugin>() {

@@ -175,9 +175,6 @@ pub(crate) fn replay(
     mut mocks: Query<&mut ActionMock>,
     time: Res<Time<Real>>,
 ) {
-    if replay.playing.is_none() {
-        return;
-    }
     let Some(playing) = &mut replay.playing else { return };
     if playing.advance(&entities.all, time.delta_secs_f64()) {
         for action in &entities.all {

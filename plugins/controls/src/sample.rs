@@ -7,7 +7,7 @@ use farlight_bindings::{ActionInfo, ActionKind, Profile};
 use crate::{
     InputCapture, PanelContext,
     compile::{compile, presses},
-    evaluate::{Evaluator, Frame, Said},
+    evaluate::{Evaluator, Frame},
     gather::{Devices, Found},
     inputs::Inputs,
     plugin::ControlsInForce,
@@ -25,7 +25,7 @@ pub(crate) struct Sampling {
     pub(crate) inputs: Inputs,
     pub(crate) evaluator: Evaluator,
     /// What each action says, in the order of [`ActionEntities`].
-    said: Vec<Said>,
+    said: Vec<Vec2>,
     presses: (Option<Profile>, Vec<Slot>),
     pub(crate) found: Found,
     fingers: Fingers,
@@ -48,18 +48,24 @@ impl Default for Sampling {
     }
 }
 
-/// Compiles bindings when they or the actions have changed.
+/// Whether bindings or actions have changed since they were compiled.
+pub(crate) fn is_stale(
+    in_force: Res<ControlsInForce>,
+    entities: Res<ActionEntities>,
+    sampling: Res<Sampling>,
+) -> bool {
+    in_force.is_changed() || entities.is_changed() || sampling.stale
+}
+
+/// Compiles bindings.
 pub(crate) fn rebind(
     in_force: Res<ControlsInForce>,
     entities: Res<ActionEntities>,
     mut sampling: ResMut<Sampling>,
 ) {
-    if !in_force.is_changed() && !entities.is_changed() && !sampling.stale {
-        return;
-    }
     let actions: Vec<ActionInfo> = entities.all.iter().map(|action| action.info).collect();
     sampling.evaluator.replace(compile(&in_force.bindings, &actions));
-    sampling.said.resize(actions.len(), Said::default());
+    sampling.said.resize(actions.len(), Vec2::ZERO);
     sampling.presses = (None, Vec::new());
     sampling.stale = false;
 }
@@ -90,7 +96,7 @@ pub(crate) fn sample(
     };
     evaluator.evaluate(inputs, frame, said);
     for (action, said) in entities.all.iter().zip(said.iter()) {
-        custom.insert(action.input, value(action.info.kind, said.value));
+        custom.insert(action.input, value(action.info.kind, *said));
     }
 }
 
