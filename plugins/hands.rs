@@ -43,8 +43,8 @@ fn give_ray(added: On<Add, XrHandPose>, poses: Query<&XrHandPose>, mut commands:
     }
 }
 
-/// Triggers press, or what a controller has instead.
-fn press(controllers: Res<XrControllers>, mut rays: Query<&mut PanelRay>) {
+/// Triggers press, or what a controller has instead. Rays of others know by themselves.
+fn press(controllers: Res<XrControllers>, mut rays: Query<&mut PanelRay, With<XrHandPose>>) {
     let presses = |hand: Hand| {
         let inputs = [Xr::Trigger, Xr::Select, Xr::Pinch];
         inputs.into_iter().any(|input| controllers.value(hand, input).x > PRESSED)

@@ -68,6 +68,10 @@ pub use farlight_remote as remote;
 #[cfg(feature = "xr")]
 pub use farlight_xr as xr;
 
+/// What the panel's section about the network shows.
+#[cfg(all(feature = "panel", feature = "gi"))]
+pub use sections::LinkHistory;
+
 /// All plugins whose features are on.
 ///
 /// | plugin | what it is responsible for |

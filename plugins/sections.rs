@@ -19,7 +19,7 @@ impl Plugin for SuiteSections {
         app.add_message::<Notification>();
         app.init_resource::<Frames>().add_systems(Last, measure);
         #[cfg(feature = "gi")]
-        app.init_resource::<Link>().add_systems(Last, sample_link);
+        app.init_resource::<LinkHistory>().add_systems(Last, sample_link);
         app.add_systems(
             Update,
             (
@@ -57,6 +57,11 @@ impl Plugin for SuiteSections {
                 })
                 .add_panel_resource::<GiSettings>("Global illumination")
                 .add_panel_section("Network", network);
+        }
+        #[cfg(feature = "btf")]
+        if app.world().contains_resource::<farlight_btf::BtfSettings>() {
+            app.add_panel_section("Measured materials", measured)
+                .add_panel_resource::<farlight_btf::BtfSettings>("Measured materials");
         }
         app.add_panel_section("Performance", performance)
             .add_panel_section("Controls", controls)
@@ -107,23 +112,53 @@ fn performance(ui: &mut Ui, world: &mut World) {
     }
 }
 
-/// What the connection did, ten times a second.
+/// How many materials are there, and what is wrong with others.
+#[cfg(feature = "btf")]
+fn measured(ui: &mut Ui, world: &mut World) {
+    let Some(status) = world.get_resource::<farlight_btf::BtfStatus>() else { return };
+    let megabytes = status.resident_bytes as f64 / 1e6;
+    text_row(ui, "On the GPU", format!("{}, {megabytes:.1} MB", status.resident));
+    if status.waiting > 0 {
+        text_row(ui, "On their way", status.waiting.to_string());
+    }
+    for problem in status.limited.iter().chain(status.failed.last().map(|failed| &failed.error)) {
+        ui.colored_label(ui.visuals().error_fg_color, problem);
+    }
+}
+
+/// What the connection to a lighting server did of late, ten times a second, oldest first; at most 160
+/// values each. The panel's section "Network" plots it.
 #[cfg(feature = "gi")]
-#[derive(Resource, Default)]
-struct Link {
+#[derive(Resource, Debug, Default)]
+pub struct LinkHistory {
     since: f32,
-    /// Milliseconds there and back.
     latency: VecDeque<f64>,
-    /// kB a second, received.
     bandwidth: VecDeque<f64>,
-    /// Estimated error of the light in percent.
     error: VecDeque<f64>,
     received: u64,
 }
 
 #[cfg(feature = "gi")]
+impl LinkHistory {
+    /// Milliseconds there and back; NaN while nobody knows.
+    pub fn latency(&self) -> impl Iterator<Item = f64> {
+        self.latency.iter().copied()
+    }
+
+    /// Received, in kB a second.
+    pub fn bandwidth(&self) -> impl Iterator<Item = f64> {
+        self.bandwidth.iter().copied()
+    }
+
+    /// Estimated error of the light that is shown, in percent; also of what is solved here.
+    pub fn error(&self) -> impl Iterator<Item = f64> {
+        self.error.iter().copied()
+    }
+}
+
+#[cfg(feature = "gi")]
 fn sample_link(
-    mut link: ResMut<Link>,
+    mut link: ResMut<LinkHistory>,
     status: Option<Res<farlight_gi::GiStatus>>,
     time: Res<Time<Real>>,
 ) {
@@ -151,7 +186,7 @@ fn sample_link(
 fn network(ui: &mut Ui, world: &mut World) {
     use farlight_gi::{GiStatus, LinkState};
     let (Some(link), Some(status)) =
-        (world.get_resource::<Link>(), world.get_resource::<GiStatus>())
+        (world.get_resource::<LinkHistory>(), world.get_resource::<GiStatus>())
     else {
         return;
     };
@@ -200,7 +235,7 @@ fn controls(ui: &mut Ui, world: &mut World) {
     rebind(ui, world);
     let Some(in_force) = world.get_resource::<ControlsInForce>() else { return };
     let mut chosen = None;
-    for info in ACTIONS {
+    for info in ACTIONS.iter().filter(|info| !in_force.bindings.is_unused(info.name)) {
         let bound = in_force.bindings.of(info.name, device);
         let inputs: Vec<_> = bound.iter().map(|binding| binding.label_on(device)).collect();
         let inputs = if inputs.is_empty() { "none".into() } else { inputs.join(", ") };
@@ -218,12 +253,17 @@ fn controls(ui: &mut Ui, world: &mut World) {
     }
 }
 
+/// What people read of an action.
+fn label(action: &str) -> &str {
+    farlight_controls::bindings::action(action).map_or(action, |info| info.label)
+}
+
 /// What is asked while an action is given another input.
 fn rebind(ui: &mut Ui, world: &mut World) {
     let Some(mut rebinding) = world.get_resource_mut::<Rebinding>() else { return };
     match rebinding.state().clone() {
         RebindState::Waiting { target, prompt, refused } => {
-            ui.strong(format!("{}: {prompt}", target.action));
+            ui.strong(format!("{}: {prompt}", label(&target.action)));
             if let Some(refused) = refused {
                 ui.colored_label(ui.visuals().error_fg_color, refused);
             }
@@ -232,7 +272,7 @@ fn rebind(ui: &mut Ui, world: &mut World) {
             ui.strong(format!(
                 "{} already does: {}",
                 binding.label_on(target.device),
-                with.join(", ")
+                with.iter().map(|name| label(name)).collect::<Vec<_>>().join("; ")
             ));
             ui.horizontal(|ui| {
                 for (text, resolve) in [
@@ -260,7 +300,7 @@ fn save_rebound(
 ) {
     let done = match rebinding.state() {
         RebindState::Done { target, binding } => {
-            Some((target.action.clone(), binding.label_on(target.device)))
+            Some((label(&target.action).to_owned(), binding.label_on(target.device)))
         }
         _ => None,
     };

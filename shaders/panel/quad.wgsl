@@ -1,16 +1,28 @@
 // A panel in the world: a picture on a quad, as it is. What lies under a pixel is averaged, so that
-// text neither blurs nor shimmers, however near the panel is.
+// text neither blurs nor shimmers, however near the panel is. What is nearer than the panel is seen before
+// it, if the picture has a depth (DEPTH), of several samples a pixel (SAMPLES) or of one.
 
 struct Quad {
     // From the quad (1 x 1 around the origin, x to the right, y up) to clip space.
     clip_from_panel: mat4x4<f32>,
     texels: vec2<f32>,
-    padding: vec2<f32>,
+    // Of the picture that it is drawn over.
+    pixels: vec2<f32>,
+    // How much of it is seen through what is nearer.
+    through: f32,
 }
 
 @group(0) @binding(0) var<uniform> quad: Quad;
 @group(0) @binding(1) var picture: texture_2d<f32>;
 @group(0) @binding(2) var between: sampler;
+
+#ifdef DEPTH
+#ifdef SAMPLES
+@group(0) @binding(3) var scene: texture_depth_multisampled_2d;
+#else
+@group(0) @binding(3) var scene: texture_depth_2d;
+#endif
+#endif
 
 struct Corner {
     @builtin(position) position: vec4<f32>,
@@ -28,6 +40,26 @@ fn vertex(@builtin(vertex_index) index: u32) -> Corner {
 // Samples a direction at most: footprints up to 8 texels wide, as bilinear taps take two each.
 const MOST: f32 = 4.0;
 
+// Which part of a pixel has something nearer in it.
+fn covered(position: vec4<f32>) -> f32 {
+#ifdef DEPTH
+    // Depths are those of a reversed projection: nearer is greater.
+    let place = vec2<i32>(position.xy * vec2<f32>(textureDimensions(scene)) / quad.pixels);
+#ifdef SAMPLES
+    let samples = i32(textureNumSamples(scene));
+    var count = 0.0;
+    for (var sample = 0; sample < samples; sample += 1) {
+        count += select(0.0, 1.0, textureLoad(scene, place, sample) > position.z);
+    }
+    return count / f32(samples);
+#else
+    return select(0.0, 1.0, textureLoad(scene, place, 0) > position.z);
+#endif
+#else
+    return 0.0;
+#endif
+}
+
 @fragment
 fn fragment(in: Corner) -> @location(0) vec4<f32> {
     let right = dpdx(in.uv);
@@ -42,5 +74,6 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
             sum += textureSampleLevel(picture, between, uv, 0.0);
         }
     }
-    return sum / f32(taps * taps);
+    let seen = mix(1.0, quad.through, covered(in.position));
+    return sum * seen / f32(taps * taps);
 }

@@ -17,6 +17,7 @@ fn definitions(path: &str) -> Vec<Vec<Definition<'static>>> {
         "RESTED",
         "DEPTH",
         "VOLUME",
+        "SAMPLES",
     ];
     let folder = |path: &'static str| path.split_once('/').map_or("", |(folder, _)| folder);
     let here = path.split_once('/').map_or("", |(folder, _)| folder);

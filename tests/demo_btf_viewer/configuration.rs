@@ -129,7 +129,10 @@ fn mistakes_are_named_with_file_line_and_field() {
     assert!(unknown.starts_with("v.ron:3:") && unknown.contains("use_vr"), "{unknown}");
     let range = error("Viewer(\n    base_scale: 0.0,\n)");
     assert!(range.starts_with("v.ron:2: base_scale: "), "{range}");
-    let listed = error("Viewer(\n    models: [\n        (),\n        (uv_metres: 0.0),\n    ],\n)");
+    let model = "(name: \"a\", shape: Sphere";
+    let listed = error(&format!(
+        "Viewer(\n    models: [\n        {model}),\n        {model}, uv_metres: 0.0),\n    ],\n)"
+    ));
     assert!(listed.starts_with("v.ron:4: models[1].uv_metres: "), "{listed}");
     let name = error("Viewer(start: (object: \"cat\"))");
     assert!(name.contains("cat") && name.contains("bunny"), "{name}");

@@ -44,15 +44,7 @@ fn the_mouse_presses_what_it_is_on() {
         stage.mouse(egui::Event::PointerMoved(at));
         stage.frames(1);
         assert!(stage.world().resource::<InputCapture>().pointer, "the panel has the pointer");
-        for pressed in [true, false] {
-            stage.mouse(egui::Event::PointerButton {
-                pos: at,
-                button: egui::PointerButton::Primary,
-                pressed,
-                modifiers: egui::Modifiers::NONE,
-            });
-            stage.frames(1);
-        }
+        stage.click(at);
         assert_eq!(stage.lamp().on != before.on, changes, "{at:?}");
     }
     stage.mouse(egui::Event::PointerMoved(egui::pos2(100.0, 100.0)));

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use bevy::{
+    app::PluginGroupBuilder,
     camera::Exposure,
     input::{
         ButtonState,
@@ -12,6 +13,7 @@ use bevy::{
     reflect::Reflect,
 };
 use farlight::{
+    controls::UserFile,
     panel::{
         PanelCamera, PanelSettings,
         bevy_egui::{EguiContext, input::EguiInputEvent},
@@ -100,6 +102,11 @@ pub(crate) struct Bulb {
     pub(crate) warranty: bool,
 }
 
+/// Controls that hear no gamepads of the machine.
+pub(crate) fn controls(user_file: UserFile) -> ControlsPlugin {
+    ControlsPlugin { gamepads: false, user_file, ..default() }
+}
+
 /// An app without a window.
 pub(crate) struct Stage {
     pub(crate) headless: Headless,
@@ -107,9 +114,14 @@ pub(crate) struct Stage {
 }
 
 impl Stage {
+    /// With everything as it is by default, but for the user's own controls.
     pub(crate) fn new(size: UVec2, settings: PanelSettings) -> Self {
+        Self::with(size, settings, FarlightPlugins.set(controls(UserFile::Nowhere)))
+    }
+
+    pub(crate) fn with(size: UVec2, settings: PanelSettings, plugins: PluginGroupBuilder) -> Self {
         let headless = Headless::new(size, &support::assets(), |app| {
-            app.add_plugins(FarlightPlugins)
+            app.add_plugins(plugins)
                 .init_resource::<Lamp>()
                 .insert_resource(settings)
                 .insert_resource(ClearColor(Color::srgb(0.45, 0.5, 0.55)))
@@ -154,6 +166,21 @@ impl Stage {
         self.world().write_message(EguiInputEvent { context, event });
     }
 
+    /// Presses a point of the screen with the mouse, in egui's points.
+    pub(crate) fn click(&mut self, at: egui::Pos2) {
+        self.mouse(egui::Event::PointerMoved(at));
+        self.frames(1);
+        for pressed in [true, false] {
+            self.mouse(egui::Event::PointerButton {
+                pos: at,
+                button: egui::PointerButton::Primary,
+                pressed,
+                modifiers: egui::Modifiers::NONE,
+            });
+            self.frames(1);
+        }
+    }
+
     /// Presses and lets go of a key, a frame each.
     pub(crate) fn tap(&mut self, key_code: KeyCode) {
         for state in [ButtonState::Pressed, ButtonState::Released] {
@@ -178,6 +205,23 @@ impl Stage {
         let world = self.headless.app.world_mut();
         let mut found = contexts.iter_mut(world).filter(|(_, screen)| *screen == on_screen);
         found.next().map(|(mut context, _)| context.get_mut().clone()).expect("a context")
+    }
+
+    /// The rectangles of all that can be pressed on the screen.
+    pub(crate) fn all(&mut self) -> Vec<egui::Rect> {
+        self.context(true).interactive_rects_last_pass()
+    }
+
+    /// The rectangles of wide buttons of the screen's menu, from above.
+    pub(crate) fn buttons(&mut self) -> Vec<egui::Rect> {
+        let rects = self.all();
+        // Rows are no higher; those of text fields and sliders are not as wide.
+        let wide = |rect: &egui::Rect| {
+            (18.0..30.0).contains(&rect.height()) && (170.0..190.0).contains(&rect.width())
+        };
+        let mut rects: Vec<_> = rects.into_iter().filter(wide).collect();
+        rects.sort_by(|a, b| a.top().total_cmp(&b.top()));
+        rects
     }
 
     /// The rectangles of controls of a size, from above.

@@ -14,7 +14,9 @@ fn every_section_unfolds() {
     stage.frames(4);
     stage.picture("suite.png");
     let titles = ["Environment light", "Progressive picture", "Global illumination", "Network"];
-    for title in titles.into_iter().chain(["Performance", "Controls", "Panel"]) {
+    for title in
+        titles.into_iter().chain(["Measured materials", "Performance", "Controls", "Panel"])
+    {
         stage.world().resource_mut::<PanelState>().unfold = Some(title);
         stage.frames(8);
         let name = title.to_lowercase().replace(' ', "_");

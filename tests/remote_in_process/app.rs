@@ -1,13 +1,6 @@
 //! The plugin in a game, and a server with its threads, over the simulated network in real time.
 
-use std::{
-    sync::{
-        Arc,
-        atomic::{AtomicBool, Ordering},
-    },
-    thread::JoinHandle,
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
 use bevy::{
     asset::RenderAssetUsages,
@@ -20,52 +13,17 @@ use farlight::{
     gi::{ExtractedScene, GiLightmaps},
     prelude::*,
 };
-use farlight_server::{Server, ServerSettings};
+use farlight_server::Server;
 use farlight_wire::{
-    Channel, Limits,
+    Channel,
     simulated::{LinkConditions, Network},
 };
 
 use crate::{
+    clock::{Clock, TOKEN},
     game::Game,
-    stage::{MS, TOKEN},
+    stage::MS,
 };
-
-/// Lets the time of a network pass as it does outside.
-struct Clock {
-    network: Network,
-    stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl Clock {
-    fn new(network: &Network) -> Self {
-        let (stop, network) = (Arc::new(AtomicBool::new(false)), network.clone());
-        let (stopped, ticking) = (stop.clone(), network.clone());
-        let thread = std::thread::spawn(move || {
-            let start = Instant::now();
-            while !stopped.load(Ordering::Relaxed) {
-                ticking.advance(start.elapsed());
-                std::thread::sleep(MS);
-            }
-        });
-        Self { network, stop, thread: Some(thread) }
-    }
-
-    fn serve(&self) -> Server {
-        let listener = Box::new(self.network.listener(&Limits::default()));
-        Server::start(ServerSettings::default(), listener, TOKEN).unwrap()
-    }
-}
-
-impl Drop for Clock {
-    fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
-    }
-}
 
 /// Mean of all texels of the game's lightmaps.
 fn brightness(game: &Game) -> f32 {

@@ -2,6 +2,8 @@
 //! Bevy and threads in real time.
 
 mod app;
+#[path = "../support/clock.rs"]
+mod clock;
 mod faults;
 #[path = "../support/game.rs"]
 mod game;

@@ -16,12 +16,12 @@ use farlight_wire::{
 };
 
 use crate::{
+    clock::TOKEN,
     picture::Picture,
     scene::{lamp, room, settings},
 };
 
 pub(crate) const MS: Duration = Duration::from_millis(1);
-pub(crate) const TOKEN: Token = Token([7; 16]);
 /// What a piece of the solver's work takes here, whatever it takes really.
 const SOLVER_STEP: Duration = Duration::from_millis(5);
 

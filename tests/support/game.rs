@@ -41,38 +41,12 @@ impl Game {
         app.init_asset::<Mesh>()
             .init_asset::<Image>()
             .init_asset::<StandardMaterial>()
-            .insert_resource(GiSettings {
-                page_size: 64,
-                max_pages: 1,
-                texels_per_metre: 4.0,
-                rays_per_texel: 64,
-                rays_per_probe: 64,
-                converged_paths: 64,
-                ..default()
-            });
+            .insert_resource(settings());
         app.finish();
         app.cleanup();
 
-        let (x, y, z) = (Vec3::X * 4.0, Vec3::Y * 3.0, Vec3::Z * 4.0);
-        let sides = [
-            (Vec3::ZERO, z, x),
-            (y, x, z),
-            (Vec3::ZERO, y, z),
-            (x, z, y),
-            (Vec3::ZERO, x, y),
-            (z, y, x),
-        ];
-        let world = app.world_mut();
-        let material =
-            world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial::default());
-        let walls = sides.map(|(origin, u, v)| {
-            let mesh = world.resource_mut::<Assets<Mesh>>().add(wall(origin, u, v));
-            let parts = (Mesh3d(mesh), MeshMaterial3d(material.clone()), GiScene);
-            world.spawn((parts, Transform::default(), VISIBLE)).id()
-        });
-        let light = PointLight { intensity: 100_000.0, range: 100.0, ..default() };
-        let lamp = world.spawn((light, Transform::from_xyz(1.0, 1.5, 2.0), VISIBLE)).id();
-        Self { app, walls: walls.to_vec(), lamp }
+        let (walls, lamp) = furnish(app.world_mut());
+        Self { app, walls, lamp }
     }
 
     pub(crate) fn status(&self) -> &GiStatus {
@@ -105,6 +79,42 @@ impl Game {
             status.state == GiState::Converged && status.shown == status.submitted
         });
     }
+}
+
+/// Quick to solve.
+pub(crate) fn settings() -> GiSettings {
+    GiSettings {
+        page_size: 64,
+        max_pages: 1,
+        texels_per_metre: 4.0,
+        rays_per_texel: 64,
+        rays_per_probe: 64,
+        converged_paths: 64,
+        ..default()
+    }
+}
+
+/// The walls of a closed room of 4 x 3 x 4 m, and a lamp in it.
+pub(crate) fn furnish(world: &mut World) -> (Vec<Entity>, Entity) {
+    let (x, y, z) = (Vec3::X * 4.0, Vec3::Y * 3.0, Vec3::Z * 4.0);
+    let sides = [
+        (Vec3::ZERO, z, x),
+        (y, x, z),
+        (Vec3::ZERO, y, z),
+        (x, z, y),
+        (Vec3::ZERO, x, y),
+        (z, y, x),
+    ];
+    let material =
+        world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial::default());
+    let walls = sides.map(|(origin, u, v)| {
+        let mesh = world.resource_mut::<Assets<Mesh>>().add(wall(origin, u, v));
+        let parts = (Mesh3d(mesh), MeshMaterial3d(material.clone()), GiScene);
+        world.spawn((parts, Transform::default(), VISIBLE)).id()
+    });
+    let light = PointLight { intensity: 100_000.0, range: 100.0, ..default() };
+    let lamp = world.spawn((light, Transform::from_xyz(1.0, 1.5, 2.0), VISIBLE)).id();
+    (walls.to_vec(), lamp)
 }
 
 /// A parallelogram from `origin` along `u` and `v`, facing `u x v`, its second UV set 0..1.

@@ -10,3 +10,4 @@ mod follow;
 mod parallax;
 mod pictures;
 mod stage;
+mod trigger;

@@ -39,11 +39,18 @@ pub(crate) fn views(head: Isometry3d) -> [XrView; 2] {
 impl Stage {
     /// With a head at the origin, looking along -z.
     pub(crate) fn new() -> Self {
+        // Nothing is pressed here.
+        let plugins = FarlightPlugins.build().disable::<PanelPlugin>().disable::<ControlsPlugin>();
+        Self::with(|app| {
+            app.add_plugins(plugins);
+        })
+    }
+
+    /// The same with other plugins of the suite.
+    pub(crate) fn with(add: impl FnOnce(&mut App)) -> Self {
         let headless = Headless::new(UVec2::splat(SIZE), &support::assets(), |app| {
-            // Nothing is pressed here.
-            let plugins =
-                FarlightPlugins.build().disable::<PanelPlugin>().disable::<ControlsPlugin>();
-            app.add_plugins((plugins, XrPlugin::default()))
+            add(app);
+            app.add_plugins(XrPlugin::default())
                 .insert_resource(farlight::ibl::EnvironmentCache(None))
                 .insert_resource(GlobalAmbientLight::NONE)
                 .insert_resource(ClearColor(Color::BLACK))

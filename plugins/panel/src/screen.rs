@@ -116,7 +116,7 @@ pub(crate) fn show(world: &mut World) {
     let settings = world.resource::<PanelSettings>().clone();
     let state = world.resource::<PanelState>().clone();
     let here = !is_world(world);
-    let hint = if settings.hint { world.resource::<Hint>().opacity() } else { 0.0 };
+    let hint = world.resource::<Hint>().opacity(&settings, &state);
     let lines = !world.resource::<Lines>().is_empty();
     if !here {
         // Keys come by the window.

@@ -29,6 +29,10 @@ pub struct PanelSettings {
     /// the whole way.
     #[reflect(@0.2..=10.0_f32, @Unit("/s"))]
     pub follow: f32,
+    /// How much of a panel in the world is seen through what is nearer than it: nothing of it is hidden
+    /// at 100 %, and everything at 0 %.
+    #[reflect(@0.0..=1.0_f32, @Unit("%"), @Label("Seen through things"))]
+    pub through: f32,
     /// How long to look at a control in the world until it is pressed; 0 is never.
     #[reflect(@0.0..=3.0_f32, @Unit("s"), @Label("Press by gaze after"))]
     pub gaze_dwell: f32,
@@ -44,6 +48,7 @@ impl Default for PanelSettings {
             distance: 1.25,
             width: 0.85,
             follow: 1.5,
+            through: 0.9,
             gaze_dwell: 0.0,
         }
     }

@@ -15,7 +15,8 @@ use bevy::{
     prelude::*,
     render::{
         Extract, ExtractSchedule, GpuResourceAppExt, Render, RenderApp, RenderSystems,
-        extract_component::ExtractComponentPlugin, render_resource::PipelineCache,
+        extract_component::ExtractComponentPlugin,
+        render_resource::{PipelineCache, PipelineDescriptor},
         view::prepare_view_targets,
     },
 };
@@ -28,7 +29,7 @@ use crate::{camera::Progress, changes::Changes, uniform::Changed};
 /// What the render world tells the main world.
 #[derive(Resource, Clone, Debug, Default)]
 pub(crate) struct Pending {
-    /// Pipelines that are still being compiled: what they draw is missing from pictures.
+    /// Pipelines that are still being compiled: what they draw is missing from what is refined.
     pipelines: Arc<AtomicU32>,
     /// Whether what was kept is gone, with its device.
     lost: Arc<AtomicBool>,
@@ -44,8 +45,28 @@ impl Pending {
     }
 }
 
+/// Pipelines that draw over finished pictures, copy them, or draw in two dimensions, by their labels:
+/// Bevy's (0.19), bevy_egui's (0.42) and ours. What is refined has nothing of theirs, so that the first
+/// menu and the first screenshot don't disturb it.
+const AFTERWARDS: [&str; 6] = [
+    "blit pipeline",
+    "egui_pipeline",
+    "farlight_panel",
+    "screenshot-to-screen",
+    "sprite_pipeline",
+    "tonemapping pipeline",
+];
+
 fn watch_pipelines(pending: Res<Pending>, cache: Res<PipelineCache>) {
-    pending.pipelines.store(cache.waiting_pipelines().count() as u32, Ordering::Relaxed);
+    let is_of_picture = |id: &usize| {
+        let pipeline = cache.pipelines().nth(*id).map(|pipeline| &pipeline.descriptor);
+        let Some(PipelineDescriptor::RenderPipelineDescriptor(descriptor)) = pipeline else {
+            return true;
+        };
+        descriptor.label.as_ref().is_none_or(|label| !AFTERWARDS.contains(&label.as_ref()))
+    };
+    let count = cache.waiting_pipelines().filter(is_of_picture).count();
+    pending.pipelines.store(count as u32, Ordering::Relaxed);
 }
 
 fn extract_changes(changes: Extract<Res<Changes>>, mut extracted: ResMut<pass::ExtractedChanges>) {

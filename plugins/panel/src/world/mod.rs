@@ -1,5 +1,5 @@
 //! Panels in the world: egui draws into a texture, whose density is that of the viewer's pixels; a
-//! pass after tone mapping shows it on a quad. So no light, exposure, tone mapping, shadow map or
+//! pass after tone mapping shows it on a quad, behind what is nearer as far as settings say. So no light, exposure, tone mapping, shadow map or
 //! accumulation touches it, nor does any plugin take it for a mesh of the scene.
 
 mod follow;
@@ -93,7 +93,10 @@ pub(crate) fn build(app: &mut App) {
     app.init_resource::<WorldPanel>()
         .init_resource::<Pointed>()
         .add_systems(PreUpdate, point.in_set(PanelSystems::Point))
-        .add_systems(PostUpdate, follow::follow.after(TransformSystems::Propagate));
+        .add_systems(
+            PostUpdate,
+            (follow::follow.after(TransformSystems::Propagate), pass::keep_depth),
+        );
     pass::build(app);
 }
 
@@ -121,7 +124,7 @@ fn is_shown_by(camera: Entity, target: &RenderTarget, eye: bool, main: Option<En
 pub(crate) fn show(world: &mut World) {
     let settings = world.resource::<PanelSettings>().clone();
     let state = world.resource::<PanelState>().clone();
-    let hint = if settings.hint { world.resource::<Hint>().opacity() } else { 0.0 };
+    let hint = world.resource::<Hint>().opacity(&settings, &state);
     let moving = !world.resource::<Lines>().is_empty() || hint > 0.0;
     let visible = is_world(world) && (state.menu || state.help || moving);
     let density = if visible { density(world, settings.distance) } else { None };

@@ -8,14 +8,20 @@ use crate::{PanelPlace, PanelSettings, PanelViewer};
 #[derive(Component)]
 pub(crate) struct Canvas;
 
-/// Whether they are in the world.
-pub(crate) fn is_world(world: &mut World) -> bool {
-    match world.resource::<PanelSettings>().place {
-        PanelPlace::Screen => false,
-        PanelPlace::World => true,
-        PanelPlace::Auto => {
-            let mut viewers = world.query_filtered::<(), With<PanelViewer>>();
-            viewers.iter(world).next().is_some()
+impl PanelPlace {
+    /// Whether this is in the world, with or without somebody who wears a headset.
+    pub(super) fn is_world(self, viewed: bool) -> bool {
+        match self {
+            Self::Screen => false,
+            Self::World => true,
+            Self::Auto => viewed,
         }
     }
+}
+
+/// Whether they are in the world.
+pub(crate) fn is_world(world: &mut World) -> bool {
+    let mut viewers = world.query_filtered::<(), With<PanelViewer>>();
+    let viewed = viewers.iter(world).next().is_some();
+    world.resource::<PanelSettings>().place.is_world(viewed)
 }
