@@ -2,20 +2,21 @@
 //!
 //! ```text
 //! cargo run -p farlight_gi_solver --example bake_error -- SCENE.glb [--scale METRES] [--page N]
-//!     [--rays N] [--times N] [--texels N] [--paths N] [--bounces N] [--seed N] [--sky RADIANCE]
+//!     [--rays N] [--times N [--every N]] [--texels N] [--paths N] [--bounces N] [--seed N] [--sky RADIANCE]
 //!     [--lamp X,Y,Z,CANDELA] [--sun X,Y,Z,LUX] [--probes N]
 //! ```
-//! Gathers `--rays` rays a texel and compares them with `--times` times as many (independent) rays, and
-//! `--texels` of the texels with the path tracer (`--paths` paths each). CPU seconds are those of all threads:
-//! on a machine with other work they tell more than the clock.
+//! Gathers `--rays` rays a texel and compares them, raw and denoised, with `--times` times as many
+//! (independent) rays at every `--every`-th texel, and `--texels` of the texels with the path tracer
+//! (`--paths` paths each). CPU seconds are those of all threads: on a machine with other work they tell more
+//! than the clock.
 
 use std::{path::PathBuf, sync::Arc, time::Instant};
 
 use farlight_gi_solver::{
     World,
     bake::{
-        Density, DirectLight, Gathered, Gatherer, GathererSettings, Layout, LayoutSettings, direct,
-        volume,
+        Density, DirectLight, Gathered, Gatherer, GathererSettings, Layout, LayoutSettings,
+        denoise, direct, volume,
     },
     estimate::{GatherSettings, no_progress},
     import::{ImportOptions, load_scene},
@@ -27,6 +28,7 @@ use farlight_gi_solver::{
     unwrap::{UnwrapOptions, ensure_uv1},
 };
 use glam::{Affine3A, Quat, UVec3, Vec3};
+use rayon::prelude::*;
 
 struct Arguments {
     words: Vec<String>,
@@ -165,15 +167,21 @@ fn main() {
         (0..layout.len()).map(|i| luminance(gathered.irradiance(i))).fold(0.0, f32::max);
     if times > 0 {
         let other = Gatherer::new(&world, &layout, settings(seed + 77), no_progress()).unwrap();
-        let mut reference = Gathered::new(&layout);
-        timed("reference", || other.pass(&mut reference, rays * times, no_progress()));
-        let error = |i: usize| {
-            let truth = luminance(reference.irradiance(i));
-            let lit = texels[i].open && truth > brightest * 1e-3;
-            lit.then(|| (luminance(gathered.irradiance(i)) - truth).abs() / truth)
+        let every = a.number("--every", 1.0).max(1.0) as usize;
+        let chosen: Vec<usize> = (every / 2..layout.len()).step_by(every).collect();
+        let reference: Vec<f32> = timed("reference", || {
+            chosen.par_iter().map(|&i| luminance(other.irradiance(i, rays * times))).collect()
+        });
+        let filtered = timed("denoise", || denoise(&layout, &gathered));
+        let compare = |what: &str, of: &dyn Fn(usize) -> Vec3| {
+            let lit = chosen.iter().zip(&reference);
+            let lit = lit.filter(|(i, truth)| texels[**i].open && **truth > brightest * 1e-3);
+            let error = |(&i, &truth): (&usize, &f32)| (luminance(of(i)) - truth).abs() / truth;
+            let (median, high) = percentiles(lit.map(error).collect());
+            println!("{what} against {times}x    median {median:.2} %, p95 {high:.2} %");
         };
-        let (median, high) = percentiles((0..layout.len()).filter_map(error).collect());
-        println!("against {times}x             median {median:.2} %, p95 {high:.2} %");
+        compare("raw", &|i| gathered.irradiance(i));
+        compare("denoised", &|i| filtered[i]);
     }
 
     let count = a.number("--texels", 0.0) as usize;
@@ -185,7 +193,6 @@ fn main() {
             .collect();
         let chosen: Vec<usize> =
             (0..count).map(|k| flat[(k * 2 + 1) * flat.len() / (2 * count)]).collect();
-        use rayon::prelude::*;
         let truth: Vec<_> = timed("path tracer", || {
             chosen
                 .par_iter()

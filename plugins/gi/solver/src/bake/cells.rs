@@ -4,11 +4,8 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::Layout;
+use super::{Layout, map::alike};
 use crate::{Ray, World, lightmap::NONE};
-
-/// Texels of a cell face the same way within this cosine.
-const ALIKE: f32 = 0.7;
 
 /// The cell of each texel.
 pub(super) struct Cells {
@@ -55,7 +52,7 @@ fn connected_groups(world: &World, layout: &Layout, texels: Vec<u32>) -> Vec<Vec
         let normal = layout.patches.normal[texel as usize];
         let home = groups.iter_mut().find(|group| {
             let other = group[0] as usize;
-            layout.patches.normal[other].dot(normal) > ALIKE
+            alike(layout.patches.normal[other], normal)
                 && layout.connected(world, other, texel as usize)
         });
         match home {

@@ -42,6 +42,8 @@ pub(super) struct Field<'a> {
     pub(super) bounces: u32,
     /// For each texel: irradiance straight from punctual lights.
     pub(super) direct: Vec<Vec3>,
+    /// For each texel: whether what arrives straight from lights varies much within it.
+    pub(super) uneven: Vec<bool>,
     /// For each cell: irradiance from all else, reflected at most so many times as the index says; a
     /// single entry where there is no limit.
     pub(super) levels: Vec<Vec<Vec3>>,
@@ -72,6 +74,32 @@ impl<'a> Field<'a> {
             }
             None => Vec3::ZERO,
         }
+    }
+
+    /// [`leaving`](Self::leaving) at a point of a texel, seen from `origin`.
+    fn leaving_at(&self, met: &Met, origin: Vec3, before: u32, sampler: &mut PathSampler) -> Vec3 {
+        let leaving = self.leaving(met.texel, before);
+        match self.unevenness(met, origin, sampler) {
+            Some(more) if leaving != Vec3::ZERO => leaving + more,
+            _ => leaving,
+        }
+    }
+
+    /// By how much what leaves a point differs from what leaves its texel in the mean, for uneven texels.
+    pub(super) fn unevenness(
+        &self,
+        met: &Met,
+        origin: Vec3,
+        sampler: &mut PathSampler,
+    ) -> Option<Vec3> {
+        let t = met.texel as usize;
+        if !self.uneven[t] {
+            return None;
+        }
+        let (position, normal) = (origin + met.way, self.world().normal(met.triangle));
+        let next = offset_origin(position, normal);
+        let exact = self.tracer.punctual(position, normal, next, sampler);
+        Some(self.layout.patches.albedo[t] * FRAC_1_PI * (exact - self.direct[t]))
     }
 
     /// Whether a texel is far enough for what is known about it.
@@ -131,18 +159,19 @@ impl<'a> Field<'a> {
             return None;
         }
         let (texel, place) = self.sources.draw(sampler);
-        let (met, way) = self.map.point(self.world(), self.layout, texel, place, origin)?;
-        let direction = way / met.distance;
+        let met = self.map.point(self.world(), self.layout, texel, place, origin)?;
+        let direction = met.way / met.distance;
         let other = lobe.pdf(direction);
         if other <= 0.0 || (far && !self.knows(&met)) {
             return None;
         }
-        let ray = Ray { t_max: EMITTER_END, ..Ray::new(origin, way) };
+        let ray = Ray { t_max: EMITTER_END, ..Ray::new(origin, met.way) };
         if self.world().occluded(&ray) {
             return None;
         }
         let pdf = self.leaving[texel as usize].w * met.solid_angle_pdf();
-        Some(Toward { direction, weighted: self.leaving(texel, before) / (pdf + other) })
+        let leaving = self.leaving_at(&met, origin, before, sampler);
+        Some(Toward { direction, weighted: leaving / (pdf + other) })
     }
 
     /// Radiance that arrives along a ray that was drawn with density `pdf`.
@@ -179,7 +208,7 @@ impl<'a> Field<'a> {
             let met = self.map.meet(world, self.layout, &ray, &hit);
             if let Some(met) = met
                 && self.cells.of[met.texel as usize] != NONE
-                && walker.ends(&End { met, pdf, throughput, before })
+                && walker.ends(&End { met, origin: ray.origin, pdf, throughput, before }, sampler)
             {
                 return;
             }
@@ -243,7 +272,7 @@ pub(super) trait Walker {
     /// Light that arrives at the path's first point, reflected `before` times.
     fn light(&mut self, radiance: Vec3, before: u32);
     /// Whether the path ends at a texel that has a cell.
-    fn ends(&mut self, end: &End) -> bool;
+    fn ends(&mut self, end: &End, sampler: &mut PathSampler) -> bool;
 }
 
 /// Sums the light of a path that ends where the field knows what leaves a texel.
@@ -257,7 +286,7 @@ impl Walker for Look<'_> {
         self.sum += radiance;
     }
 
-    fn ends(&mut self, end: &End) -> bool {
+    fn ends(&mut self, end: &End, sampler: &mut PathSampler) -> bool {
         let (field, met) = (self.field, &end.met);
         if !field.knows(met) {
             return false;
@@ -268,7 +297,8 @@ impl Walker for Look<'_> {
         } else {
             1.0
         };
-        self.sum += end.throughput * field.leaving(met.texel, end.before) * weight;
+        let leaving = field.leaving_at(met, end.origin, end.before, sampler);
+        self.sum += end.throughput * leaving * weight;
         true
     }
 }
@@ -276,6 +306,8 @@ impl Walker for Look<'_> {
 /// Where a path may end.
 pub(super) struct End {
     pub(super) met: Met,
+    /// Where the ray that met it began.
+    pub(super) origin: Vec3,
     /// Density of the ray that met it.
     pub(super) pdf: f32,
     /// What of the radiance that leaves it arrives at the path's first point.

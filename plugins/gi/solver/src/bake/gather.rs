@@ -1,15 +1,18 @@
 //! Passes of gather rays.
 
+use std::ops::Range;
+
 use glam::Vec3;
 use rayon::prelude::*;
 
 use super::{
     DirectLight, Layout, cells::Cells, direct::direct_by, field::Field, links, lobe::Bent,
-    map::TexelMap, sources::Sources,
+    map::TexelMap, sources::Sources, uneven::uneven,
 };
 use crate::{
     World,
     estimate::Progress,
+    lightmap::{luminance, median},
     path::PathTracer,
     sampling::{PathSampler, hash_pair},
     scene::DirectSky,
@@ -87,6 +90,7 @@ impl<'a> Gatherer<'a> {
             cells: Cells::new(world, layout, edge),
             bounces: if settings.bounces == 0 { u32::MAX } else { settings.bounces },
             direct,
+            uneven: uneven(world, layout),
             levels: Vec::new(),
             leaving: Vec::new(),
             sources: Sources::default(),
@@ -112,24 +116,8 @@ impl<'a> Gatherer<'a> {
             .into_par_iter()
             .with_min_len(16)
             .map(|i| {
-                if !layout.open[i] {
-                    return Some([Vec3::ZERO; 2]);
-                }
-                let geometric = layout.patches.normal[i];
-                let origin = offset_origin(layout.patches.position[i], geometric);
-                let lobe = Bent::new(layout.shading[i], geometric);
-                let sky = self.settings.direct_sky == DirectSky::Included;
                 let mut sums = [gathered.halves[0][i], gathered.halves[1][i]];
-                for (k, sum) in sums.iter_mut().enumerate() {
-                    // The halves are sequences of their own, so that they are independent.
-                    let set = hash_pair(self.settings.seed, (i * 2 + k) as u64);
-                    for ray in done..done + half {
-                        let mut sampler = PathSampler::new(set, ray, 16);
-                        self.field.sample(origin, &lobe, sky, &mut sampler, |direction, light| {
-                            *sum += light * lobe.weight(direction);
-                        });
-                    }
-                }
+                self.add(i, done..done + half, &mut sums);
                 progress(u64::from(rays)).is_continue().then_some(sums)
             })
             .collect::<Option<_>>()?;
@@ -141,12 +129,42 @@ impl<'a> Gatherer<'a> {
         Some(())
     }
 
+    /// Irradiance of one texel by the first `rays` rays (even), for measuring: what a [`pass`](Self::pass)
+    /// gives it.
+    #[must_use]
+    pub fn irradiance(&self, texel: usize, rays: u32) -> Vec3 {
+        let mut sums = [Vec3::ZERO; 2];
+        self.add(texel, 0..rays / 2, &mut sums);
+        (sums[0] + sums[1]) / rays.max(1) as f32
+    }
+
+    /// Adds rays to both sums of a texel.
+    fn add(&self, texel: usize, rays: Range<u32>, sums: &mut [Vec3; 2]) {
+        let layout = self.field.layout;
+        if !layout.open[texel] {
+            return;
+        }
+        let geometric = layout.patches.normal[texel];
+        let origin = offset_origin(layout.patches.position[texel], geometric);
+        let lobe = Bent::new(layout.shading[texel], geometric);
+        let sky = self.settings.direct_sky == DirectSky::Included;
+        for (k, sum) in sums.iter_mut().enumerate() {
+            // The halves are sequences of their own, so that they are independent.
+            let set = hash_pair(self.settings.seed, (texel * 2 + k) as u64);
+            for ray in rays.clone() {
+                let mut sampler = PathSampler::new(set, ray, 16);
+                self.field.sample(origin, &lobe, sky, &mut sampler, |direction, light| {
+                    *sum += light * lobe.weight(direction);
+                });
+            }
+        }
+    }
+
     /// Median over lit texels of the relative standard error of what was gathered, as far as the two halves
     /// disagree: squares of their differences, the mean over each texel and its neighbours.
     #[must_use]
     pub fn relative_error(&self, gathered: &Gathered) -> f32 {
         let layout = self.field.layout;
-        let luminance = |c: Vec3| c.dot(Vec3::new(0.2126, 0.7152, 0.0722));
         let of = |i: usize| luminance(gathered.irradiance(i));
         let brightest = (0..layout.len()).map(of).fold(0.0, f32::max);
         let lit = |i: usize| layout.open[i] && of(i) > brightest * DARK;
@@ -168,10 +186,6 @@ impl<'a> Gatherer<'a> {
                 errors.push((squares / n).sqrt() * n / sum);
             }
         }
-        if errors.is_empty() {
-            return 0.0;
-        }
-        let middle = errors.len() / 2;
-        *errors.select_nth_unstable_by(middle, f32::total_cmp).1
+        median(&mut errors).unwrap_or(0.0)
     }
 }

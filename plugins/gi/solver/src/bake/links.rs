@@ -2,7 +2,9 @@
 //!
 //! The irradiance of a cell, but for what punctual lights send there, is
 //!
-//!     S + C + T U,  U = C + T U
+//! ```text
+//! S + C + T U,  U = C + T U
+//! ```
 //!
 //! with S what emitters and the sky send straight there, C what texels reflect once of what arrives
 //! straight at them, and T U the rest. S and C are estimates with all techniques there are for small bright
@@ -73,6 +75,9 @@ struct Long {
 struct Row {
     rays: u32,
     links: Vec<Link>,
+    /// By how much the radiance that leaves the met point differs from that of its texel, for links to
+    /// uneven texels, with their places in `links`.
+    uneven: Vec<(u32, Vec3)>,
     longs: Vec<Long>,
     /// Irradiance from emitters and sky, summed over rays.
     straight: Vec3,
@@ -83,6 +88,7 @@ struct Row {
 
 /// Keeps a path.
 struct Keep<'a> {
+    field: &'a Field<'a>,
     row: &'a mut Row,
     /// Whether the number of reflections matters.
     counted: bool,
@@ -101,9 +107,12 @@ impl Walker for Keep<'_> {
         }
     }
 
-    fn ends(&mut self, end: &End) -> bool {
+    fn ends(&mut self, end: &End, sampler: &mut PathSampler) -> bool {
         let texel = end.met.texel;
         if end.before == 0 {
+            if let Some(more) = self.field.unevenness(&end.met, end.origin, sampler) {
+                self.row.uneven.push((self.row.links.len() as u32, more));
+            }
             let ratio = if end.met.exact { end.met.solid_angle_pdf() / end.pdf } else { 0.0 };
             self.row.links.push(Link { texel, ratio });
         } else {
@@ -181,8 +190,11 @@ impl Field<'_> {
             .map(|(row, texels)| {
                 let weight = |l: &Link| 1.0 / (1.0 + self.leaving[l.texel as usize].w * l.ratio);
                 let met: Vec3 = row.links.iter().map(|l| once[l.texel as usize] * weight(l)).sum();
+                let uneven = row.uneven.iter();
+                let more: Vec3 =
+                    uneven.map(|(i, more)| more * weight(&row.links[*i as usize])).sum();
                 let drawn = self.drawn_sources(texels, rays, seed);
-                progress(0).is_continue().then(|| (met * PI + drawn) / row.rays as f32)
+                progress(0).is_continue().then(|| ((met + more) * PI + drawn) / row.rays as f32)
             })
             .collect::<Option<_>>()?;
 
@@ -299,7 +311,7 @@ impl Field<'_> {
                     pdf,
                     true,
                     &mut sampler,
-                    &mut Keep { row: &mut row, counted },
+                    &mut Keep { field: self, row: &mut row, counted },
                 );
             }
         }

@@ -11,6 +11,14 @@ use crate::{
 /// Triangles with more texels a square metre have next to no area: nothing is known about them.
 const MOST_DENSE: f32 = 1e12;
 
+/// Normals of a texel's point and of what it answers for agree within this cosine.
+const ALIKE: f32 = 0.7;
+
+/// Whether light at a surface says something about light at another beside it.
+pub(super) fn alike(a: Vec3, b: Vec3) -> bool {
+    a.dot(b) > ALIKE
+}
+
 /// Which texel shows the front of a surface at a hit.
 pub(super) struct TexelMap {
     triangles: Vec<Triangle>,
@@ -31,6 +39,10 @@ struct Triangle {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Met {
     pub(super) texel: u32,
+    /// The triangle of the world.
+    pub(super) triangle: u32,
+    /// The way there.
+    pub(super) way: Vec3,
     /// Whether the point lies in the texel itself, not beside a chart's last texel.
     pub(super) exact: bool,
     /// Texels a square metre there.
@@ -75,13 +87,15 @@ impl TexelMap {
         Self { triangles }
     }
 
-    /// The texel that a ray met: `None` for backs and for surfaces without texels.
+    /// The texel that a ray met: `None` for backs, for surfaces without texels, and where the surface turns so
+    /// much within the texel that its light says nothing about the point.
     pub(super) fn meet(&self, world: &World, layout: &Layout, ray: &Ray, hit: &Hit) -> Option<Met> {
         let triangle = &self.triangles[hit.triangle as usize];
         if triangle.receiver == NONE {
             return None;
         }
-        let cos = -world.normal(hit.triangle).dot(ray.direction);
+        let normal = world.normal(hit.triangle);
+        let cos = -normal.dot(ray.direction);
         if cos <= 1e-6 {
             return None;
         }
@@ -97,8 +111,11 @@ impl TexelMap {
                 p / Vec2::new(texels.width as f32, texels.height as f32),
             )
         })?;
-        Some(Met {
-            texel: receiver.first + found,
+        let texel = receiver.first + found;
+        alike(normal, layout.patches.normal[texel as usize]).then_some(Met {
+            texel,
+            triangle: hit.triangle,
+            way: ray.direction * hit.t,
             exact: own.is_some(),
             density: triangle.density,
             distance: hit.t,
@@ -106,8 +123,8 @@ impl TexelMap {
         })
     }
 
-    /// The point at a place in a texel, 0..1 along both axes, as a ray from `origin` would meet it, and
-    /// the way there. `None` where the texel is not covered, or from behind.
+    /// The point at a place in a texel, 0..1 along both axes, as a ray from `origin` would meet it.
+    /// `None` where the texel is not covered, where it would not be [met](Self::meet), or from behind.
     pub(super) fn point(
         &self,
         world: &World,
@@ -115,15 +132,17 @@ impl TexelMap {
         texel: u32,
         place: Vec2,
         origin: Vec3,
-    ) -> Option<(Met, Vec3)> {
+    ) -> Option<Met> {
         let SurfacePoint { triangle, bary } = self.point_in(world, layout, texel, place)?;
         let [a, b, c] = world.corners(triangle);
         let way = a + (b - a) * bary.x + (c - a) * bary.y - origin;
         let distance = way.length();
-        let cos = -world.normal(triangle).dot(way) / distance;
+        let normal = world.normal(triangle);
+        let cos = -normal.dot(way) / distance;
+        let usable = cos > 1e-6 && alike(normal, layout.patches.normal[texel as usize]);
         let density = self.triangles[triangle as usize].density;
-        (cos > 1e-6 && density > 0.0)
-            .then_some((Met { texel, exact: true, density, distance, cos }, way))
+        let met = Met { texel, triangle, way, exact: true, density, distance, cos };
+        (usable && density > 0.0).then_some(met)
     }
 
     /// The surface point at a place in a texel, with the world's triangle; `None` where the texel is not

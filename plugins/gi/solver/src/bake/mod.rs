@@ -27,6 +27,7 @@ mod open;
 mod pages;
 mod saved;
 mod sources;
+mod uneven;
 mod volume;
 
 pub use denoise::denoise;

@@ -36,6 +36,13 @@ use error::Warnings;
 /// The material of primitives that name none.
 pub const DEFAULT_MATERIAL: MaterialId = MaterialId(u64::MAX);
 
+/// The two numbers that the id of a mesh or of an instance is made of: the index of the mesh or of the
+/// node, and that of the primitive.
+#[must_use]
+pub fn split_id(id: u64) -> [u32; 2] {
+    [(id >> 32) as u32, id as u32]
+}
+
 /// How to read a file.
 #[derive(Clone, Debug)]
 pub struct ImportOptions {

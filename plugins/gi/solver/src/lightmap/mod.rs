@@ -44,7 +44,7 @@ pub(crate) use bury::{is_hidden_back, unbury};
 pub(crate) use closed::is_closed;
 pub(crate) use fill::FillPlan;
 pub(crate) use grids::GridState;
-pub(crate) use lighting::{Lighting, Limits};
+pub(crate) use lighting::{Lighting, Limits, luminance, median};
 pub(crate) use patches::{Patches, Receiver};
 pub(crate) use raster::{MeshTexels, NONE, SAMPLES, SurfacePoint, barycentric};
 pub(crate) use transport::Buried;
