@@ -4,7 +4,7 @@ use serde::de::DeserializeOwned;
 
 use crate::{
     near::{meant, nearest},
-    places::{field_at, token_at},
+    places::{field_at, place_of, token_at},
 };
 
 /// Why a text can't be read.
@@ -32,6 +32,14 @@ impl FileError {
         let (line, column) = token_at(text, (start.line, start.col));
         let field = field_at(text, (line, column));
         Self { line, column, field, message: message(&error.code) }
+    }
+
+    /// What a check of one's own says about a field of `text`: `all[0].watts`. The place is that of the
+    /// nearest field round it where it is not there itself.
+    pub fn of_field(text: &str, field: impl Into<String>, message: impl Into<String>) -> Self {
+        let field = field.into();
+        let (line, column) = place_of(text, &field).unwrap_or((1, 1));
+        Self { line, column, field, message: message.into() }
     }
 }
 

@@ -12,7 +12,12 @@
 //! let error = farlight_ron::parse::<Lamp>(text).unwrap_err();
 //! assert_eq!(error.to_string(), "2:5: wats: there is no field \"wats\"; did you mean watts?");
 //!
-//! // A check of one's own finds the place of a field by its path.
+//! // A check of one's own names the field by its path.
+//! let text = "Lamps(\n    all: [(watts: -1.0)],\n)";
+//! let error = farlight_ron::FileError::of_field(text, "all[0].watts", "must not be negative");
+//! assert_eq!(error.to_string(), "2:12: all[0].watts: must not be negative");
+//!
+//! // Where a field is.
 //! assert_eq!(farlight_ron::place_of("Lamps(all: [(watts: -1.0)])", "all[0].watts"), Some((1, 14)));
 //! ```
 

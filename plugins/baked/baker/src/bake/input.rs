@@ -18,6 +18,8 @@ use crate::{
 pub(super) struct Input {
     pub(super) source: Source,
     pub(super) lights: BakeLights,
+    /// The text that the lights come from, for messages.
+    pub(super) lights_text: String,
     pub(super) skies: BTreeMap<String, SkySource>,
     /// Of all files and options.
     pub(super) fingerprint: Fingerprint,
@@ -31,17 +33,17 @@ impl Input {
         let source = Source::open(&options.scene, &options.limits)?;
         let mut files = source.files().to_vec();
         let (mut lights, mut skies) = (BakeLights::default(), BTreeMap::new());
-        let mut text = String::new();
+        let mut lights_text = String::new();
         if let Some(path) = &options.lights {
-            text = fs::read_to_string(path)
+            lights_text = fs::read_to_string(path)
                 .map_err(|source| LightsError::Io { file: path.clone(), source })?;
-            lights = BakeLights::parse(path, &text)?;
-            skies = read_skies(path, &lights)?;
+            lights = BakeLights::parse(path, &lights_text)?;
+            skies = read_skies(path, &lights_text, &lights)?;
             files.push(path.clone());
             files.extend(skies.values().map(|sky| sky.path.clone()));
         }
         let mut key = Key::new("input");
-        key.print(source.fingerprint()).text(&text);
+        key.print(source.fingerprint()).text(&lights_text);
         for sky in skies.values() {
             key.print(sky.fingerprint);
         }
@@ -68,7 +70,7 @@ impl Input {
         for scenario in &options.scenarios {
             key.text(scenario);
         }
-        Ok(Self { source, lights, skies, fingerprint: key.finish(), files })
+        Ok(Self { source, lights, lights_text, skies, fingerprint: key.finish(), files })
     }
 
     /// The scene, in metres, with emission in cd/m² and Bevy's ranges of lights.
@@ -85,6 +87,11 @@ impl Input {
         let mut imported = self.source.scene(&import)?;
         for warning in self.source.warnings().iter().chain(&imported.warnings) {
             work.warn(warning.as_str());
+        }
+        for feature in self.source.bevy_features() {
+            work.warn(format!(
+                "images of the scene need Bevy's feature {feature:?}, which is off by default"
+            ));
         }
         let factor = options.emission.factor();
         for material in imported.scene.materials.values_mut() {

@@ -52,7 +52,7 @@ impl Plan {
     ) -> Result<Vec<Self>, BakeError> {
         let field = |field: String, problem: String| {
             let file = options.lights.clone().unwrap_or_default();
-            LightsError::Field { file, field, problem }
+            LightsError::of_field(file, &input.lights_text, field, &problem)
         };
         let lights = all_lights(input, imported, &field)?;
         let default = [ScenarioSpec { name: DEFAULT.to_owned(), ..ScenarioSpec::default() }];
@@ -85,8 +85,9 @@ impl Plan {
                     let image = match skies.get(file) {
                         Some(image) => Clone::clone(image),
                         None => {
-                            let path = options.lights.clone().unwrap_or_default();
-                            let image = source.decode(&path)?;
+                            let image = source.decode();
+                            let image = image
+                                .map_err(|error| field(source.field.clone(), error.to_string()))?;
                             skies.insert(file.clone(), image.clone());
                             image
                         }

@@ -1,6 +1,6 @@
 //! Images move into the file.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use serde_json::{Value, json};
 
@@ -35,6 +35,23 @@ pub(super) fn embed(root: &mut Value, source: &Source, added: &mut Added) -> Res
     Ok(())
 }
 
+impl Source {
+    /// Features of Bevy that are off by default and without which it can't load the scene, for the sake of
+    /// its images: `jpeg`, `webp`, `dds`.
+    #[must_use]
+    pub fn bevy_features(&self) -> BTreeSet<&'static str> {
+        let images = self.package.images.iter().flatten();
+        images
+            .filter_map(|bytes| match sniff(bytes)? {
+                "image/jpeg" => Some("jpeg"),
+                "image/webp" => Some("webp"),
+                "image/vnd-ms.dds" => Some("dds"),
+                _ => None,
+            })
+            .collect()
+    }
+}
+
 /// The type of an image by its first bytes.
 fn sniff(bytes: &[u8]) -> Option<&'static str> {
     let is = |at: usize, magic: &[u8]| bytes.get(at..at + magic.len()) == Some(magic);
@@ -53,4 +70,22 @@ fn sniff(bytes: &[u8]) -> Option<&'static str> {
 fn media_type(uri: &str) -> Option<&str> {
     let (kind, _) = uri.strip_prefix("data:")?.split_once(';')?;
     kind.starts_with("image/").then_some(kind)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn jpeg_needs_a_feature_of_the_engine() {
+        let file = |uris: [&str; 2]| {
+            let [a, b] = uris.map(|uri| json!({"uri": format!("data:image/png;base64,{uri}")}));
+            let file = json!({"asset": {"version": "2.0"}, "images": [a, b]}).to_string();
+            Source::from_slice(file.as_bytes(), &Default::default()).unwrap().bevy_features()
+        };
+        // The first bytes of PNG and of JPEG files; what they are said to be doesn't count.
+        let (png, jpeg) = ("iVBORw0KGgo=", "/9j/4AAQ");
+        assert_eq!(file([png, png]), BTreeSet::new());
+        assert_eq!(file([png, jpeg]), BTreeSet::from(["jpeg"]));
+    }
 }

@@ -1,8 +1,8 @@
 //! Reading and checking.
 
-use std::{collections::BTreeSet, path::PathBuf};
+use std::{collections::BTreeSet, fmt::Display, path::PathBuf};
 
-use farlight_environment::EnvironmentError;
+use farlight_ron::FileError;
 use ron::{Options, extensions::Extensions};
 use thiserror::Error;
 
@@ -19,42 +19,31 @@ pub enum LightsError {
         /// Why not.
         source: std::io::Error,
     },
-    /// Not RON, or not what is expected.
-    #[error("{}:{line}:{column}: {problem}", file.display())]
-    Syntax {
+    /// Something in it is wrong, or a picture of a sky that it names can't be read.
+    #[error("{}:{error}", file.display())]
+    Text {
         /// Which file.
         file: PathBuf,
-        /// Line, from 1.
-        line: usize,
-        /// Column, from 1.
-        column: usize,
-        /// What is wrong.
-        problem: String,
-    },
-    /// A value that can't be.
-    #[error("{}: {field}: {problem}", file.display())]
-    Field {
-        /// Which file.
-        file: PathBuf,
-        /// Where, as in the file: `add[1].intensity`.
-        field: String,
-        /// What is wrong, and what would be right.
-        problem: String,
-    },
-    /// The picture of a sky can't be read.
-    #[error("{}: {field}: {problem}", file.display())]
-    Sky {
-        /// Which file names it.
-        file: PathBuf,
-        /// Where.
-        field: String,
-        /// What is wrong.
-        problem: EnvironmentError,
+        /// Where, and what.
+        error: FileError,
     },
 }
 
 /// A field and what is wrong with it.
-pub(crate) type Problem = (String, String);
+type Problem = (String, String);
+
+impl LightsError {
+    /// What is wrong with a field of a file with that text.
+    pub(crate) fn of_field(
+        file: impl Into<PathBuf>,
+        text: &str,
+        field: String,
+        problem: &dyn Display,
+    ) -> Self {
+        let error = FileError::of_field(text, field, problem.to_string());
+        Self::Text { file: file.into(), error }
+    }
+}
 
 impl BakeLights {
     /// Reads and checks a file's text; `file` is for messages.
@@ -64,16 +53,15 @@ impl BakeLights {
     pub fn parse(file: impl Into<PathBuf>, text: &str) -> Result<Self, LightsError> {
         let file = file.into();
         let options = Options::default().with_default_extension(Extensions::IMPLICIT_SOME);
-        let lights: Self = options.from_str(text).map_err(|error| LightsError::Syntax {
-            file: file.clone(),
-            line: error.span.start.line,
-            column: error.span.start.col,
-            problem: error.code.to_string(),
-        })?;
-        match lights.check() {
-            Ok(()) => Ok(lights),
-            Err((field, problem)) => Err(LightsError::Field { file, field, problem }),
-        }
+        let lights: Result<Self, _> = options.from_str(text);
+        let error = match lights {
+            Ok(lights) => match lights.check() {
+                Ok(()) => return Ok(lights),
+                Err((field, problem)) => FileError::of_field(text, field, problem),
+            },
+            Err(error) => FileError::new(text, &error),
+        };
+        Err(LightsError::Text { file, error })
     }
 
     fn check(&self) -> Result<(), Problem> {
@@ -88,7 +76,7 @@ impl BakeLights {
         }
         for (map, name) in [(&self.radius, "radius"), (&self.angle, "angle")] {
             for (light, &value) in map {
-                let field = format!("{name}[{light:?}]");
+                let field = format!("{name}.{light}");
                 number(value, 0.0, 1e6).map_err(|problem| (field, problem))?;
             }
         }
@@ -113,7 +101,7 @@ impl BakeLights {
                 }
             }
             for (material, factor) in &scenario.emission {
-                let field = || at(&format!("emission[{material:?}]"));
+                let field = || at(&format!("emission.{material}"));
                 number(*factor, 0.0, 1e9).map_err(|problem| (field(), problem))?;
             }
         }
@@ -221,7 +209,7 @@ mod tests {
         let error = problem("BakeLights(\n  add: [(nam: \"x\")],\n)");
         assert!(error.starts_with("lights.ron:2:") && error.contains("nam"), "{error}");
         for (text, expected) in [
-            ("add: [(intensity: (1, 1, 1))]", "lights.ron: add[0].name: "),
+            ("add: [(intensity: (1, 1, 1))]", "lights.ron:1:18: add[0].name: "),
             ("add: [(name: \"a\"), (name: \"a\")]", "add[1].name: "),
             ("add: [(name: \"a\", intensity: (1, -1, 1))]", "add[0].intensity: "),
             ("add: [(name: \"a\", intensity: (NaN, 1, 1))]", "add[0].intensity: "),
@@ -233,11 +221,11 @@ mod tests {
                 "add: [(name: \"a\", kind: Spot(inner: 40, outer: 30), direction: (0, 1, 0))]",
                 "add[0].kind: ",
             ),
-            ("radius: {\"b\": -1}", "radius[\"b\"]: "),
+            ("radius: {\"b\": -1}", "1:21: radius.b: "),
             ("scenarios: [()]", "scenarios[0].name: "),
             ("scenarios: [(name: \"a\"), (name: \"a\")]", "scenarios[1].name: "),
             ("scenarios: [(name: \"a\", sky: Constant((1, 1, -1)))]", "scenarios[0].sky: "),
-            ("scenarios: [(name: \"a\", emission: {\"m\": -1})]", "scenarios[0].emission[\"m\"]: "),
+            ("scenarios: [(name: \"a\", emission: {\"m\": -1})]", "scenarios[0].emission.m: "),
         ] {
             let error = problem(&format!("BakeLights({text})"));
             assert!(error.contains(expected), "{text}: {error}");

@@ -16,13 +16,15 @@ use super::{BakeLights, LightsError, SkySpec};
 pub(crate) struct SkySource {
     pub(crate) path: PathBuf,
     pub(crate) fingerprint: Fingerprint,
+    /// The field that names it first.
+    pub(crate) field: String,
     bytes: Vec<u8>,
-    field: String,
 }
 
-/// Reads the pictures that scenarios name, by those names. `file` is the file of lights.
+/// Reads the pictures that scenarios name, by those names. `file` and `text` are those of the lights.
 pub(crate) fn read_skies(
     file: &Path,
+    text: &str,
     lights: &BakeLights,
 ) -> Result<BTreeMap<String, SkySource>, LightsError> {
     let folder = file.parent().unwrap_or(Path::new("."));
@@ -34,10 +36,9 @@ pub(crate) fn read_skies(
         }
         let path = folder.join(name);
         let field = format!("scenarios[{i}].sky.file");
-        let bytes = std::fs::read(&path).map_err(|source| LightsError::Sky {
-            file: file.to_owned(),
-            field: field.clone(),
-            problem: EnvironmentError::Io { path: path.clone(), source },
+        let bytes = std::fs::read(&path).map_err(|source| {
+            let problem = EnvironmentError::Io { path: path.clone(), source };
+            LightsError::of_field(file, text, field.clone(), &problem)
         })?;
         let fingerprint = Fingerprint::of(&bytes);
         skies.insert(name.clone(), SkySource { path, fingerprint, bytes, field });
@@ -47,17 +48,9 @@ pub(crate) fn read_skies(
 
 impl SkySource {
     /// Decodes the picture.
-    pub(crate) fn decode(&self, file: &Path) -> Result<Arc<SkyImage>, LightsError> {
+    pub(crate) fn decode(&self) -> Result<Arc<SkyImage>, EnvironmentError> {
         let map = Environment::read(&self.bytes, Layout::Equirect).map_err(|problem| {
-            let (file, field) = (file.to_owned(), self.field.clone());
-            LightsError::Sky {
-                file,
-                field,
-                problem: EnvironmentError::File {
-                    path: self.path.clone(),
-                    source: Box::new(problem),
-                },
-            }
+            EnvironmentError::File { path: self.path.clone(), source: Box::new(problem) }
         })?;
         let (width, height) = (map.width(), map.height());
         Ok(Arc::new(SkyImage { width, height, texels: map.texels().to_vec() }))
