@@ -3,9 +3,7 @@
 use bevy::{camera::Exposure, prelude::*};
 use farlight::prelude::*;
 
-/// The text on screen.
-#[derive(Component)]
-pub struct Hud;
+use super::panel::{self, Hud, State};
 
 const KEYS: &str = "\
 1 to 8   scenario
@@ -26,21 +24,9 @@ const DIGITS: [KeyCode; 8] = [
     KeyCode::Digit8,
 ];
 
-/// Makes the text.
+/// Makes the panel.
 pub fn spawn(mut commands: Commands) {
-    commands.spawn((
-        Hud,
-        Text::new(KEYS),
-        TextFont { font_size: FontSize::Px(13.0), ..default() },
-        Node {
-            position_type: PositionType::Absolute,
-            top: px(12),
-            left: px(12),
-            padding: UiRect::all(px(10)),
-            ..default()
-        },
-        BackgroundColor(Color::srgba(0.0, 0.0, 0.0, 0.55)),
-    ));
+    panel::spawn(&mut commands, KEYS);
 }
 
 /// Acts on keys.
@@ -75,7 +61,7 @@ pub fn keys(
 pub fn show(
     status: Res<BakedStatus>,
     exposures: Query<&Exposure>,
-    mut texts: Query<&mut Text, With<Hud>>,
+    mut texts: Query<&mut Text, With<State>>,
 ) {
     let Some(root) = status.roots.first() else { return };
     let state = match &root.state {
@@ -84,7 +70,7 @@ pub fn show(
         BakedState::Failed { reason } => format!("failed: {reason}"),
     };
     let ev100 = exposures.iter().next().map_or(0.0, |exposure| exposure.ev100);
-    let mut text = format!("{KEYS}\n{state}, {} left out, EV100 {ev100}\n", root.left_out.len());
+    let mut text = format!("{state}, {} left out, EV100 {ev100}\n", root.left_out.len());
     for (index, (name, weight)) in root.scenarios.iter().enumerate() {
         text += &format!("{} {name}: {weight}\n", index + 1);
     }

@@ -12,17 +12,15 @@ mod args;
 #[expect(dead_code, reason = "shared with the tests")]
 mod headless;
 mod keys;
+#[path = "../common/panel.rs"]
+mod panel;
 #[path = "../common/program.rs"]
 mod program;
 mod view;
 #[path = "../common/walk.rs"]
 mod walk;
 
-use std::{
-    path::{Path, PathBuf},
-    process::ExitCode,
-    time::Duration,
-};
+use std::{path::Path, process::ExitCode, time::Duration};
 
 use args::Args;
 use bevy::{asset::UnapprovedPathMode, prelude::*};
@@ -43,11 +41,6 @@ fn main() -> ExitCode {
     )
 }
 
-/// The folder of all asset files.
-fn assets() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
-}
-
 /// What the app does in a window and without.
 fn build(app: &mut App, args: &Args) {
     app.add_plugins(BakedPlugin::default())
@@ -61,35 +54,19 @@ fn build(app: &mut App, args: &Args) {
 fn window(args: &Args) -> Result<(), String> {
     let mut app = App::new();
     app.add_plugins(
-        DefaultPlugins
-            .set(AssetPlugin {
-                file_path: assets().display().to_string(),
-                // The person at the keyboard names files anywhere.
-                unapproved_path_mode: UnapprovedPathMode::Allow,
-                ..default()
-            })
-            .set(WindowPlugin {
-                primary_window: Some(Window {
-                    title: "Farlight: baked light".into(),
-                    resolution: args.size.into(),
-                    ..default()
-                }),
-                ..default()
-            }),
+        // The person at the keyboard names files anywhere.
+        program::in_window("Farlight: baked light", args.size, UnapprovedPathMode::Allow),
     );
     build(&mut app, args);
     app.add_systems(Startup, keys::spawn)
         .add_systems(Update, (walk::walk, keys::keys, keys::show).chain());
-    match app.run() {
-        AppExit::Success => Ok(()),
-        AppExit::Error(code) => Err(format!("the app exited with code {code}")),
-    }
+    program::until_closed(app)
 }
 
 /// A picture of each scenario, and what the status says.
 fn pictures(args: &Args, out: &Path) -> Result<(), String> {
     let size = UVec2::from(args.size);
-    let mut headless = Headless::new(size, &assets(), |app| build(app, args))?;
+    let mut headless = Headless::new(size, &program::assets(), |app| build(app, args))?;
     headless.set_frame_time(Duration::from_millis(16));
     let patience = Duration::from_secs(120);
     headless.update_until("the manifest, its textures and its scene", patience, |world| {

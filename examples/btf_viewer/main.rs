@@ -63,7 +63,7 @@ fn main() -> ExitCode {
 
 fn run(args: Args) -> Result<(), String> {
     let file = args.config.clone();
-    let file = file.unwrap_or_else(|| state::assets().join("config/btf_viewer.ron"));
+    let file = file.unwrap_or_else(|| program::assets().join("config/btf_viewer.ron"));
     let source = Source { file, args };
     let config = state::read(&source)?;
     let Args { headless, frames, size, ui, replay, .. } = source.args.clone();
@@ -161,25 +161,14 @@ fn window(config: Viewer, source: Source, recording: Option<Recording>) -> Resul
         .app_name("Farlight: measured materials")
         .resolution_scale(config.xr.resolution_scale);
     let xr = if config.xr.mode == HeadsetMode::Off { xr.disabled() } else { xr };
-    app.add_plugins(
-        xr.wrap(
-            DefaultPlugins
-                .set(AssetPlugin {
-                    file_path: state::assets().display().to_string(),
-                    // The person at the keyboard names files anywhere.
-                    unapproved_path_mode: UnapprovedPathMode::Allow,
-                    ..default()
-                })
-                .set(WindowPlugin {
-                    primary_window: Some(Window {
-                        title: "Farlight: measured materials".into(),
-                        resolution: config.window.into(),
-                        ..default()
-                    }),
-                    ..default()
-                }),
+    app.add_plugins(xr.wrap(
+        // The person at the keyboard names files anywhere.
+        program::in_window(
+            "Farlight: measured materials",
+            config.window,
+            UnapprovedPathMode::Allow,
         ),
-    );
+    ));
     if config.xr.mode == HeadsetMode::On
         && let Some(XrStatus::Unavailable(reason)) = app.world().get_resource()
     {
@@ -191,8 +180,5 @@ fn window(config: Viewer, source: Source, recording: Option<Recording>) -> Resul
     if let Some(recording) = recording {
         app.world_mut().resource_mut::<ActionReplay>().play(recording, ReplayPace::Time);
     }
-    match app.run() {
-        AppExit::Success => Ok(()),
-        AppExit::Error(code) => Err(format!("the app exited with code {code}")),
-    }
+    program::until_closed(app)
 }

@@ -23,6 +23,7 @@ use super::{
     camera::WithoutWindow,
     config::Viewer,
     headless::{Headless, Picture},
+    program,
     stage::Stage,
     state,
     turntable::{PATIENCE, arrive},
@@ -79,7 +80,7 @@ pub fn start(
     size: UVec2,
     build: impl FnOnce(&mut App, Viewer),
 ) -> Result<Headless, String> {
-    let mut headless = Headless::new(size, &state::assets(), |app| {
+    let mut headless = Headless::new(size, &program::assets(), |app| {
         build(app, config);
         app.insert_resource(WithoutWindow(size));
     })?;

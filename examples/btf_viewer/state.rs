@@ -8,7 +8,7 @@ use std::{
 use bevy::prelude::*;
 use farlight::core::parse_ron;
 
-use super::{actions::Said, args::Args, config::Viewer, shown::Shown};
+use super::{actions::Said, args::Args, config::Viewer, program::assets, shown::Shown};
 
 /// The configuration, the command line already in it.
 #[derive(Resource, Clone, Debug)]
@@ -43,11 +43,6 @@ impl Problems {
             .into_iter()
             .filter_map(Option::as_deref)
     }
-}
-
-/// The folder that relative paths start from.
-pub fn assets() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
 }
 
 /// A path of the configuration as the system knows it.

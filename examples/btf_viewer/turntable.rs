@@ -11,8 +11,9 @@ use super::{
     headless::{Headless, Picture},
     material::Materials,
     object::{Arriving, Unfitted},
+    program,
     shown::{Shown, degrees},
-    state::{self, Problems},
+    state::Problems,
 };
 
 /// Files of any size that can be shown at all arrive in this time.
@@ -28,7 +29,7 @@ pub fn run(
     size: UVec2,
     build: impl FnOnce(&mut App, Viewer),
 ) -> Result<(), String> {
-    let mut headless = Headless::new(size, &state::assets(), |app| {
+    let mut headless = Headless::new(size, &program::assets(), |app| {
         build(app, config);
     })?;
     println!("drawn by {}", headless.adapter());

@@ -1,8 +1,53 @@
-//! What programs with a command line do alike.
+//! What the example programs do alike: command lines, windows.
 
 #![allow(dead_code, reason = "every example uses its own part")]
 
-use std::{fmt::Display, ops::RangeInclusive, process::ExitCode, str::FromStr};
+use std::{
+    fmt::Display,
+    ops::RangeInclusive,
+    path::{Path, PathBuf},
+    process::ExitCode,
+    str::FromStr,
+};
+
+use bevy::{
+    app::PluginGroupBuilder, asset::UnapprovedPathMode, prelude::*, window::WindowResolution,
+};
+
+/// The repository's folder of all asset files.
+pub fn assets() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
+}
+
+/// Bevy's plugins with a window; `outside` says whether files may lie outside of [`assets`].
+pub fn in_window(
+    title: &str,
+    size: impl Into<WindowResolution>,
+    outside: UnapprovedPathMode,
+) -> PluginGroupBuilder {
+    DefaultPlugins
+        .set(AssetPlugin {
+            file_path: assets().display().to_string(),
+            unapproved_path_mode: outside,
+            ..default()
+        })
+        .set(WindowPlugin {
+            primary_window: Some(Window {
+                title: title.into(),
+                resolution: size.into(),
+                ..default()
+            }),
+            ..default()
+        })
+}
+
+/// Runs an app until it is closed.
+pub fn until_closed(mut app: App) -> Result<(), String> {
+    match app.run() {
+        AppExit::Success => Ok(()),
+        AppExit::Error(code) => Err(format!("the app exited with code {code}")),
+    }
+}
 
 /// Runs a program: prints its help, or what was wrong with its command line (exit status 2) or went
 /// wrong later (1).

@@ -47,11 +47,6 @@ fn main() -> ExitCode {
     )
 }
 
-/// The folder of all asset files.
-fn assets() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
-}
-
 /// What the app does in a window and without.
 fn build(app: &mut App, controls: ControlsPlugin) {
     app.add_plugins(controls)
@@ -81,23 +76,7 @@ struct RecordTo(PathBuf);
 fn window(args: &Args) -> Result<(), String> {
     let replay = args.replay.as_deref().map(recording::read).transpose()?;
     let mut app = App::new();
-    let (width, height) = args.size;
-    app.add_plugins(
-        DefaultPlugins
-            .set(AssetPlugin {
-                file_path: assets().display().to_string(),
-                unapproved_path_mode: UnapprovedPathMode::Allow,
-                ..default()
-            })
-            .set(WindowPlugin {
-                primary_window: Some(Window {
-                    title: "Controls".into(),
-                    resolution: (width, height).into(),
-                    ..default()
-                }),
-                ..default()
-            }),
-    );
+    app.add_plugins(program::in_window("Controls", args.size, UnapprovedPathMode::Allow));
     build(&mut app, ControlsPlugin { file: args.config()?, ..default() });
     app.add_systems(Update, quit);
     if let Some(replay) = replay {
@@ -108,10 +87,7 @@ fn window(args: &Args) -> Result<(), String> {
         app.world_mut().resource_mut::<ActionRecorder>().start();
         app.add_systems(Last, record);
     }
-    match app.run() {
-        AppExit::Success => Ok(()),
-        AppExit::Error(code) => Err(format!("the app ended with code {code}")),
-    }
+    program::until_closed(app)
 }
 
 fn quit(controls: Controls, mut exit: MessageWriter<AppExit>) {

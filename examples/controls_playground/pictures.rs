@@ -7,8 +7,9 @@ use farlight::controls::{ActionRecorder, ActionReplay, ReplayPace};
 
 use crate::{
     args::Args,
-    assets, build,
+    build,
     headless::Headless,
+    program::assets,
     quiet_controls, recording, save,
     script::{FRAMES, KINDS, Script},
 };

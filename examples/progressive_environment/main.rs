@@ -27,10 +27,7 @@ mod scene;
 mod shown;
 mod sway;
 
-use std::{
-    path::{Path, PathBuf},
-    process::ExitCode,
-};
+use std::process::ExitCode;
 
 use args::Args;
 use bevy::{asset::UnapprovedPathMode, prelude::*};
@@ -51,11 +48,6 @@ fn main() -> ExitCode {
     )
 }
 
-/// The folder of all asset files.
-fn assets() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
-}
-
 /// What the app does in a window and without.
 fn build(app: &mut App, shown: Shown) {
     app.insert_resource(shown)
@@ -69,29 +61,17 @@ fn build(app: &mut App, shown: Shown) {
 fn window(args: &Args) -> Result<(), String> {
     let mut app = App::new();
     app.add_plugins(
-        DefaultPlugins
-            .set(AssetPlugin {
-                file_path: assets().display().to_string(),
-                // The person at the keyboard names files anywhere.
-                unapproved_path_mode: UnapprovedPathMode::Allow,
-                ..default()
-            })
-            .set(WindowPlugin {
-                primary_window: Some(Window {
-                    title: "Farlight: environment light that refines itself".into(),
-                    resolution: args.size.unwrap_or((1280, 720)).into(),
-                    ..default()
-                }),
-                ..default()
-            }),
+        // The person at the keyboard names files anywhere.
+        program::in_window(
+            "Farlight: environment light that refines itself",
+            args.size.unwrap_or((1280, 720)),
+            UnapprovedPathMode::Allow,
+        ),
     );
     build(&mut app, args.shown.clone());
     hud_systems(&mut app);
     app.add_systems(Update, (keys::keys, orbit::orbit).before(shown::apply));
-    match app.run() {
-        AppExit::Success => Ok(()),
-        AppExit::Error(code) => Err(format!("the app exited with code {code}")),
-    }
+    program::until_closed(app)
 }
 
 /// Text, ring and map.

@@ -33,7 +33,7 @@ struct Studio {
 /// Draws what the command line asks for into `out`.
 pub fn run(args: &Args, out: &Path) -> Result<(), String> {
     let size = UVec2::from(args.size.unwrap_or((640, 360)));
-    let mut headless = Headless::new(size, &super::assets(), |app| {
+    let mut headless = Headless::new(size, &super::program::assets(), |app| {
         super::build(app, args.shown.clone());
         if args.turntable.is_none() {
             super::hud_systems(app);

@@ -3,11 +3,10 @@
 use bevy::prelude::*;
 use farlight::prelude::*;
 
-use super::day::{Day, HOURS};
-
-/// The text on screen.
-#[derive(Component)]
-pub struct Hud;
+use super::{
+    day::{Day, HOURS},
+    panel::{self, Hud, State},
+};
 
 /// The mark on the bar.
 #[derive(Component)]
@@ -25,21 +24,9 @@ H        hide this
 const BAR: [f32; 2] = [0.15, 0.85];
 const LIFT: f32 = 36.0;
 
-/// Makes text and bar.
+/// Makes panel and bar.
 pub fn spawn(mut commands: Commands) {
-    commands.spawn((
-        Hud,
-        Text::new(KEYS),
-        TextFont { font_size: FontSize::Px(13.0), ..default() },
-        Node {
-            position_type: PositionType::Absolute,
-            top: px(12),
-            left: px(12),
-            padding: UiRect::all(px(10)),
-            ..default()
-        },
-        BackgroundColor(Color::srgba(0.0, 0.0, 0.0, 0.55)),
-    ));
+    panel::spawn(&mut commands, KEYS);
     let bar = |left: f32, width: f32, height: f32| Node {
         position_type: PositionType::Absolute,
         left: percent(left * 100.0),
@@ -106,7 +93,7 @@ pub fn drag(
 pub fn show(
     day: Res<Day>,
     status: Res<BakedStatus>,
-    mut texts: Query<&mut Text, With<Hud>>,
+    mut texts: Query<&mut Text, With<State>>,
     mut marks: Query<&mut Node, With<Mark>>,
 ) {
     let along = (day.hour - HOURS[0]) / (HOURS[1] - HOURS[0]);
@@ -114,7 +101,7 @@ pub fn show(
         mark.left = percent((BAR[0] + (BAR[1] - BAR[0]) * along - 0.004) * 100.0);
     }
     let minutes = (day.hour * 60.0) as u32;
-    let mut text = format!("{KEYS}\n{:02}:{:02}\n", minutes / 60, minutes % 60);
+    let mut text = format!("{:02}:{:02}\n", minutes / 60, minutes % 60);
     for root in &status.roots {
         if let BakedState::Failed { reason } = &root.state {
             text += &format!("failed: {reason}\n");

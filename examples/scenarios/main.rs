@@ -14,6 +14,8 @@ mod day;
 #[expect(dead_code, reason = "shared with the tests")]
 mod headless;
 mod hud;
+#[path = "../common/panel.rs"]
+mod panel;
 mod pictures;
 #[path = "../common/program.rs"]
 mod program;
@@ -21,10 +23,7 @@ mod scene;
 #[path = "../common/walk.rs"]
 mod walk;
 
-use std::{
-    path::{Path, PathBuf},
-    process::ExitCode,
-};
+use std::process::ExitCode;
 
 use args::Args;
 use bevy::prelude::*;
@@ -45,11 +44,6 @@ fn main() -> ExitCode {
     )
 }
 
-/// The folder of all asset files.
-fn assets() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
-}
-
 /// What the app does in a window and without.
 fn build(app: &mut App) {
     app.add_plugins(BakedPlugin::default())
@@ -62,23 +56,9 @@ fn build(app: &mut App) {
 
 fn window(args: &Args) -> Result<(), String> {
     let mut app = App::new();
-    app.add_plugins(
-        DefaultPlugins
-            .set(AssetPlugin { file_path: assets().display().to_string(), ..default() })
-            .set(WindowPlugin {
-                primary_window: Some(Window {
-                    title: "Farlight: a day in a room".into(),
-                    resolution: args.size.into(),
-                    ..default()
-                }),
-                ..default()
-            }),
-    );
+    app.add_plugins(program::in_window("Farlight: a day in a room", args.size, default()));
     build(&mut app);
     app.add_systems(Startup, hud::spawn)
         .add_systems(Update, (walk::walk, hud::keys, hud::drag, hud::show).before(day::pass));
-    match app.run() {
-        AppExit::Success => Ok(()),
-        AppExit::Error(code) => Err(format!("the app exited with code {code}")),
-    }
+    program::until_closed(app)
 }

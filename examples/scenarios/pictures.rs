@@ -7,9 +7,10 @@ use farlight::prelude::*;
 
 use super::{
     args::Args,
-    assets, build,
+    build,
     day::{Day, HOURS},
     headless::{Headless, Picture},
+    program::assets,
 };
 
 /// Writes them.

@@ -36,11 +36,7 @@ mod teleport;
 mod textures;
 mod tour;
 
-use std::{
-    path::{Path, PathBuf},
-    process::ExitCode,
-    sync::Arc,
-};
+use std::{process::ExitCode, sync::Arc};
 
 use args::{Args, HELP, Server};
 use bevy::prelude::*;
@@ -62,11 +58,6 @@ fn run(args: Args) -> Result<(), String> {
         Some(out) => tour::run(&args, light, out),
         None => show(&args, light),
     }
-}
-
-/// The assets folder of the repository.
-fn assets() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
 }
 
 /// Who solves the indirect light.
@@ -132,22 +123,11 @@ fn build(app: &mut App, args: &Args, light: BackendFactory) {
 /// With the headset, or in a window.
 fn show(args: &Args, light: BackendFactory) -> Result<(), String> {
     let mut app = App::new();
-    let plugins = DefaultPlugins
-        .set(AssetPlugin { file_path: assets().display().to_string(), ..default() })
-        .set(WindowPlugin {
-            primary_window: Some(Window {
-                title: "Farlight: gallery".into(),
-                resolution: args.size.unwrap_or((1280, 720)).into(),
-                ..default()
-            }),
-            ..default()
-        });
+    let plugins =
+        program::in_window("Farlight: gallery", args.size.unwrap_or((1280, 720)), default());
     let headset = FarlightXr::default().app_name("Farlight gallery").switched_by(std::env::args());
     app.add_plugins(headset.wrap(plugins));
     build(&mut app, args, light);
     app.add_plugins(screenshot::plugin);
-    match app.run() {
-        AppExit::Success => Ok(()),
-        AppExit::Error(code) => Err(format!("the app exited with code {code}")),
-    }
+    program::until_closed(app)
 }

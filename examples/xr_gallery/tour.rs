@@ -14,10 +14,11 @@ use farlight::{
 
 use super::{
     args::Args,
-    assets, build, exhibits,
+    build, exhibits,
     headless::{Headless, Picture},
     looks::{self, Adapted},
     plan::Floor,
+    program::assets,
     settings::Gallery,
 };
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use bevy::{core_pipeline::tonemapping::Tonemapping, pbr::Lightmap, prelude::*};
+use bevy::{pbr::Lightmap, prelude::*};
 use farlight::{
     core::LightingChanged,
     gi::{ExtractedScene, solver::atlas::TexelRect},
@@ -13,7 +13,10 @@ use crate::{
     lightmapped_quad,
     mock::Mock,
     settle,
-    support::headless::{Headless, Picture},
+    support::{
+        front,
+        headless::{Headless, Picture},
+    },
 };
 
 /// A renderer, its backend, a camera two metres in front of the origin that sees a square of two
@@ -48,22 +51,7 @@ impl Stage {
         });
         let mut headless = headless.unwrap_or_else(|problem| panic!("{problem}"));
         headless.set_frame_time(Duration::from_millis(16));
-        let exposure = crate::support::linear::exposure();
-        let camera = headless
-            .app
-            .world_mut()
-            .spawn((
-                Camera3d::default(),
-                Projection::from(OrthographicProjection {
-                    scaling_mode: bevy::camera::ScalingMode::Fixed { width: 2.0, height: 2.0 },
-                    ..OrthographicProjection::default_3d()
-                }),
-                Msaa::Off,
-                Tonemapping::None,
-                exposure,
-                Transform::from_xyz(0.0, 0.0, 2.0),
-            ))
-            .id();
+        let camera = headless.app.world_mut().spawn(front::camera()).id();
         Self { headless, mock, camera }
     }
 
@@ -119,16 +107,7 @@ impl Stage {
 
     /// Asserts a pixel's colour, given as linear light that leaves the surface.
     pub(crate) fn assert_pixel(&self, picture: &Picture, x: u32, y: u32, expected: Vec3) {
-        let encoded = Srgba::from(LinearRgba::rgb(expected.x, expected.y, expected.z));
-        let expected = [encoded.red, encoded.green, encoded.blue]
-            .map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8);
-        let found = picture.pixels[(y * picture.width + x) as usize];
-        let close = expected.iter().zip(found).all(|(e, f)| e.abs_diff(f) <= 2);
-        assert!(
-            close,
-            "pixel {x}, {y} is {found:?}, not {expected:?} ({})",
-            self.headless.adapter()
-        );
+        front::assert_pixel(&self.headless, picture, x, y, expected);
     }
 
     pub(crate) fn assert_all(&self, picture: &Picture, expected: Vec3) {

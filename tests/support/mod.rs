@@ -5,6 +5,7 @@ pub mod ball;
 pub mod cornell;
 pub mod example;
 pub mod flip;
+pub mod front;
 #[path = "../../examples/common/headless.rs"]
 pub mod headless;
 pub mod integral;

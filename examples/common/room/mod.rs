@@ -17,10 +17,7 @@ mod orbit;
 mod program;
 mod scene;
 
-use std::{
-    path::{Path, PathBuf},
-    process::ExitCode,
-};
+use std::process::ExitCode;
 
 use args::{Args, Mode};
 use bevy::prelude::*;
@@ -69,11 +66,6 @@ impl Program {
     }
 }
 
-/// The assets folder of the repository.
-fn assets() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
-}
-
 /// What the app does in a window and without.
 fn build<L>(app: &mut App, args: &Args, light: L)
 where
@@ -92,24 +84,10 @@ where
 
 fn window(args: &Args, light: BackendFactory, title: &str) -> Result<(), String> {
     let mut app = App::new();
-    app.add_plugins(
-        DefaultPlugins
-            .set(AssetPlugin { file_path: assets().display().to_string(), ..default() })
-            .set(WindowPlugin {
-                primary_window: Some(Window {
-                    title: title.into(),
-                    resolution: args.window.into(),
-                    ..default()
-                }),
-                ..default()
-            }),
-    );
+    app.add_plugins(program::in_window(title, args.window, default()));
     build(&mut app, args, move |settings| light(settings));
     app.add_systems(Startup, hud::spawn)
         .add_systems(PostStartup, scene::smooth_edges)
         .add_systems(Update, (orbit::orbit, hud::keys, hud::show));
-    match app.run() {
-        AppExit::Success => Ok(()),
-        AppExit::Error(code) => Err(format!("the app exited with code {code}")),
-    }
+    program::until_closed(app)
 }

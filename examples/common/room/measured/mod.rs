@@ -19,7 +19,7 @@ mod soak;
 mod stages;
 mod stats;
 
-use super::{args, assets, build, motion, scene};
+use super::{args, build, motion, program::assets, scene};
 
 pub use run::run;
 pub use soak::{Counting, soak};

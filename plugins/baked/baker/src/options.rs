@@ -132,6 +132,11 @@ impl BakeOptions {
         }
     }
 
+    /// Whether a scenario is to be baked.
+    pub(crate) fn wants(&self, scenario: &str) -> bool {
+        self.scenarios.is_empty() || self.scenarios.iter().any(|name| name == scenario)
+    }
+
     /// Checks every range.
     ///
     /// # Errors

@@ -9,7 +9,7 @@ use farlight_baked_format::{
 use farlight_gi_solver::{
     Scene, World,
     bake::{Density, Layout, LayoutSettings},
-    import::ImportedScene,
+    import::{ImportedScene, split_id},
     scene::{AlphaMode, InstanceId, Mesh, MeshId},
     session::ProbeGrid,
 };
@@ -265,7 +265,7 @@ fn candidates(input: &Input, scene: &Scene) -> (Vec<InstanceId>, BTreeMap<Instan
     let mut refused = BTreeMap::new();
     let mut receivers = Vec::new();
     for (&id, instance) in &scene.instances {
-        let (node, _) = split(id);
+        let [node, _] = split_id(id.0);
         let blended = scene
             .materials
             .get(&instance.material)
@@ -384,11 +384,6 @@ fn no_set(sets: &BTreeMap<MeshId, SecondSet>) -> Option<String> {
     })
 }
 
-/// Node and primitive of an instance.
-pub(super) fn split(id: InstanceId) -> (u32, u32) {
-    ((id.0 >> 32) as u32, id.0 as u32)
-}
-
 fn placed(input: &Input, imported: &ImportedScene, layout: &Layout) -> Vec<Receiver> {
     let mut prints: BTreeMap<MeshId, Fingerprint> = BTreeMap::new();
     let scene = &imported.scene;
@@ -399,7 +394,7 @@ fn placed(input: &Input, imported: &ImportedScene, layout: &Layout) -> Vec<Recei
             let mesh = scene.instances.get(&place.instance)?.mesh;
             let uv1 = &scene.meshes.get(&mesh)?.uv1;
             let uv = *prints.entry(mesh).or_insert_with(|| Fingerprint::of_uv(uv1.iter().copied()));
-            let (node, primitive) = split(place.instance);
+            let [node, primitive] = split_id(place.instance.0);
             let rect = place.rect;
             Some(Receiver {
                 node,
@@ -416,7 +411,7 @@ fn placed(input: &Input, imported: &ImportedScene, layout: &Layout) -> Vec<Recei
 }
 
 fn left_out(input: &Input, id: InstanceId, reason: &str) -> LeftOut {
-    let (node, primitive) = split(id);
+    let [node, primitive] = split_id(id.0);
     LeftOut { node, primitive, name: input.node_name(node).to_owned(), reason: reason.to_owned() }
 }
 

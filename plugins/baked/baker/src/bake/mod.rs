@@ -122,10 +122,8 @@ impl Bake {
         let mut baked: Vec<(bool, Baked)> = Vec::new();
         let mut world = geometry.world;
         let geometry = geometry.rest;
-        let wanted =
-            |plan: &Plan| options.scenarios.is_empty() || options.scenarios.contains(&plan.name);
-        let left = plans.iter().filter(|plan| wanted(plan)).count();
-        let mut left = left as u32;
+        let wanted = |plan: &Plan| options.wants(&plan.name);
+        let mut left = plans.iter().filter(|plan| wanted(plan)).count() as u32;
         for plan in &plans {
             let one = scenario::Scenario {
                 options,

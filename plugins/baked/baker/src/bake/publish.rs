@@ -39,10 +39,8 @@ pub(super) fn publish(
         .filter(|(_, baked)| baked.recalled)
         .map(|(_, baked)| baked.scenario.name.clone())
         .collect();
-    let is_wanted =
-        |plan: &&Plan| options.scenarios.is_empty() || options.scenarios.contains(&plan.name);
     let done = baked.iter().filter(|(wanted, baked)| *wanted && baked.complete).count();
-    let complete = done == plans.iter().filter(is_wanted).count();
+    let complete = done == plans.iter().filter(|plan| options.wants(&plan.name)).count();
     let manifest = Manifest {
         version: VERSION,
         scene: folder.scene(),

@@ -10,7 +10,7 @@ mod nodes;
 mod primitives;
 mod references;
 mod source;
-mod values;
+pub(crate) mod values;
 mod write;
 
 use thiserror::Error;

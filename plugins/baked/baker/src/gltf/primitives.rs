@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, sync::Arc};
 
-use farlight_gi_solver::{scene::MeshId, unwrap::Unwrapped};
+use farlight_gi_solver::{import::split_id, scene::MeshId, unwrap::Unwrapped};
 use serde_json::{Map, Value, json};
 
 use super::{
@@ -55,7 +55,7 @@ pub(super) fn rewrite(
 ) -> Result<(), GltfError> {
     for (id, second) in sets {
         let Some(unwrapped) = second.set.unwrapped() else { continue };
-        let [mesh, index] = [id.0 >> 32, id.0 & 0xffff_ffff].map(|i| i as usize);
+        let [mesh, index] = split_id(id.0).map(|i| i as usize);
         let place = format!("meshes[{mesh}].primitives[{index}]");
         let damaged = |what: String| GltfError::Damaged { place: place.clone(), what };
         let meshes = list(&source.json, "meshes");

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 /// The elements of a list; none if it is missing or no list.
-pub(super) fn list<'a>(value: &'a Value, key: &str) -> &'a [Value] {
+pub(crate) fn list<'a>(value: &'a Value, key: &str) -> &'a [Value] {
     value.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
 }
 
@@ -13,7 +13,7 @@ pub(super) fn list_mut<'a>(value: &'a mut Value, key: &str) -> &'a mut [Value] {
 }
 
 /// A number that can be an index, a count or a number of bytes.
-pub(super) fn number(value: &Value, key: &str) -> Option<usize> {
+pub(crate) fn number(value: &Value, key: &str) -> Option<usize> {
     value.get(key).and_then(Value::as_u64).and_then(|n| usize::try_from(n).ok())
 }
 
@@ -41,7 +41,7 @@ pub(super) fn set(value: &mut Value, key: &str, to: impl Into<Value>) {
 }
 
 /// An extension of an object.
-pub(super) fn extension<'a>(value: &'a Value, name: &str) -> Option<&'a Value> {
+pub(crate) fn extension<'a>(value: &'a Value, name: &str) -> Option<&'a Value> {
     value.get("extensions").and_then(|extensions| extensions.get(name))
 }
 

@@ -11,7 +11,7 @@ use farlight_baked_format::Fingerprint;
 use serde::{Deserialize, Serialize};
 
 use super::folder::write_whole;
-use crate::{observer::Work, uv::UvCache};
+use crate::{bake::kind, observer::Work, uv::UvCache};
 
 /// What files of the cache begin with.
 const MAGIC: &[u8; 8] = b"FLbake1\n";
@@ -122,11 +122,11 @@ impl<'a> Cache<'a> {
 
 impl UvCache for Cache<'_> {
     fn get(&self, key: Fingerprint) -> Option<Vec<u8>> {
-        self.load("uv", key)
+        self.load(kind::UV, key)
     }
 
     fn put(&self, key: Fingerprint, bytes: &[u8]) {
-        self.store("uv", key, bytes);
+        self.store(kind::UV, key, bytes);
     }
 }
 

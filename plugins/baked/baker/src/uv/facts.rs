@@ -5,11 +5,17 @@ use std::{
     sync::Arc,
 };
 
-use farlight_gi_solver::scene::{InstanceId, Mesh, MeshId};
+use farlight_gi_solver::{
+    import::split_id,
+    scene::{InstanceId, Mesh, MeshId},
+};
 use glam::Affine3A;
 use serde_json::Value;
 
-use crate::gltf::Source;
+use crate::gltf::{
+    Source,
+    values::{extension, list, number},
+};
 
 /// What is known of a primitive.
 pub(super) struct Facts<'a> {
@@ -25,8 +31,11 @@ pub(super) struct Facts<'a> {
     pub(super) floats: bool,
 }
 
-fn list<'a>(value: &'a Value, key: &str) -> &'a [Value] {
-    value.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
+/// A primitive in the file.
+fn primitive(source: &Source, id: MeshId) -> Option<&Value> {
+    let [mesh, primitive] = split_id(id.0);
+    let mesh = list(source.json(), "meshes").get(mesh as usize)?;
+    list(mesh, "primitives").get(primitive as usize)
 }
 
 /// Meshes that skeletons move.
@@ -41,12 +50,8 @@ pub(super) fn skinned_meshes(source: &Source) -> BTreeSet<usize> {
 
 /// Whether a texture of one of a primitive's materials is read at TEXCOORD_1.
 pub(super) fn textures_use_second_set(source: &Source, id: MeshId) -> bool {
-    let [mesh, primitive] = [id.0 >> 32, id.0 & 0xffff_ffff].map(|i| i as usize);
-    let mesh = list(source.json(), "meshes").get(mesh);
-    let Some(primitive) = mesh.and_then(|mesh| list(mesh, "primitives").get(primitive)) else {
-        return false;
-    };
-    let variants = primitive.get("extensions").and_then(|e| e.get("KHR_materials_variants"));
+    let Some(primitive) = primitive(source, id) else { return false };
+    let variants = extension(primitive, "KHR_materials_variants");
     let mappings = variants.map_or(&[][..], |variants| list(variants, "mappings"));
     let own = primitive.get("material").and_then(Value::as_u64);
     let others = mappings.iter().filter_map(|mapping| mapping.get("material")?.as_u64());
@@ -57,11 +62,8 @@ pub(super) fn textures_use_second_set(source: &Source, id: MeshId) -> bool {
 
 /// Whether a primitive's second UV set is stored as floats.
 pub(super) fn second_set_is_float(source: &Source, id: MeshId) -> bool {
-    let [mesh, primitive] = [id.0 >> 32, id.0 & 0xffff_ffff].map(|i| i as usize);
-    let mesh = list(source.json(), "meshes").get(mesh);
-    let primitive = mesh.and_then(|mesh| list(mesh, "primitives").get(primitive));
-    let index = primitive.and_then(|p| p.get("attributes")?.get("TEXCOORD_1")?.as_u64());
-    let accessor = index.and_then(|i| list(source.json(), "accessors").get(i as usize));
+    let index = primitive(source, id).and_then(|p| number(p.get("attributes")?, "TEXCOORD_1"));
+    let accessor = index.and_then(|i| list(source.json(), "accessors").get(i));
     accessor.and_then(|a| a.get("componentType")?.as_u64()) == Some(5126)
 }
 

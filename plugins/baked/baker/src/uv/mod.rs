@@ -28,7 +28,7 @@ use std::{
 };
 
 use farlight_gi_solver::{
-    import::ImportedScene,
+    import::{ImportedScene, split_id},
     scene::{InstanceId, MeshId},
     unwrap::Unwrapped,
 };
@@ -161,7 +161,7 @@ pub fn second_sets(
                     .collect(),
                 fixed: facts::textures_use_second_set(source, id),
                 floats: facts::second_set_is_float(source, id),
-                skinned: skinned.contains(&((id.0 >> 32) as usize)),
+                skinned: skinned.contains(&(split_id(id.0)[0] as usize)),
             };
             let set = go_on().then(|| decide::decide(&facts, options, cache, &go_on));
             done.fetch_add(1, Ordering::Relaxed);

@@ -6,25 +6,11 @@ use farlight_baker::{
     uv::{NoCache, UvOptions, second_sets},
 };
 use farlight_gi_solver::import::{ImportLimits, ImportOptions, load_scene_from_slice};
-use serde_json::Value;
 
-use crate::glb::{rich, write as glb};
-
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n.max(1) as u64) as usize
-    }
-}
+use crate::{
+    damage::{Random, count, replace, replacement},
+    glb::{rich, write as glb},
+};
 
 /// Whether the variant was written.
 fn survive(bytes: &[u8], what: &str) -> bool {
@@ -96,43 +82,4 @@ fn random_json_values_are_survived() {
     }
     println!("{written} of 6000 variants were written");
     assert!(written > 500, "damage must not always be so bad that nothing is tested: {written}");
-}
-
-/// The number of values in a tree.
-fn count(value: &Value) -> usize {
-    1 + match value {
-        Value::Array(list) => list.iter().map(count).sum(),
-        Value::Object(map) => map.values().map(count).sum(),
-        _ => 0,
-    }
-}
-
-/// Replaces the value with number `target` in depth-first order.
-fn replace(value: &mut Value, target: &mut usize, by: &Value) {
-    if *target == 0 {
-        *value = by.clone();
-        *target = usize::MAX;
-        return;
-    }
-    *target -= 1;
-    match value {
-        Value::Array(list) => list.iter_mut().for_each(|v| replace(v, target, by)),
-        Value::Object(map) => map.values_mut().for_each(|v| replace(v, target, by)),
-        _ => {}
-    }
-}
-
-fn replacement(random: &mut Random) -> Value {
-    match random.below(13) {
-        0..4 => (random.next() % 12).into(),
-        4 => u64::MAX.into(),
-        5 => (1_u64 << random.below(64)).into(),
-        6 => (-1).into(),
-        7 => Value::from([1e38, -1e38, 1e-30, 0.5][random.below(4)]),
-        8 => [5120, 5121, 5122, 5123, 5125, 5126][random.below(6)].into(),
-        9 => Value::from(["SCALAR", "VEC2", "VEC3", "MAT4", "", "spot", "BLEND"][random.below(7)]),
-        10 => Value::Null,
-        11 => serde_json::json!([0, 1, 2]),
-        _ => Value::Array(Vec::new()),
-    }
 }

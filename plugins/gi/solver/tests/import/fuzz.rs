@@ -1,33 +1,16 @@
 //! Thousands of damaged variants of small valid files: an error or a scene that can be traced, never
 //! a panic, never more memory than the limits allow.
 
+use crate::{
+    damage::{Random, count, replace, replacement},
+    glb::{rich, square, write},
+    memory,
+};
 use farlight_gi_solver::{
     World,
     import::{ImportLimits, ImportOptions, load_scene_from_slice},
     unwrap::{UnwrapOptions, ensure_uv1},
 };
-use serde_json::Value;
-
-use crate::{
-    glb::{rich, square, write},
-    memory,
-};
-
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n.max(1) as u64) as usize
-    }
-}
 
 /// Reads a variant; on success uses the scene.
 fn survive(bytes: &[u8], what: &str) -> bool {
@@ -112,44 +95,6 @@ fn random_json_values_are_survived() {
     }
     println!("{read} of 12000 variants were read");
     assert!(read > 500, "damage must not always be so bad that nothing is tested: {read}");
-}
-
-/// The number of values in a tree.
-fn count(value: &Value) -> usize {
-    1 + match value {
-        Value::Array(list) => list.iter().map(count).sum(),
-        Value::Object(map) => map.values().map(count).sum(),
-        _ => 0,
-    }
-}
-
-/// Replaces the value with number `target` in depth-first order.
-fn replace(value: &mut Value, target: &mut usize, by: &Value) {
-    if *target == 0 {
-        *value = by.clone();
-        *target = usize::MAX;
-        return;
-    }
-    *target -= 1;
-    match value {
-        Value::Array(list) => list.iter_mut().for_each(|v| replace(v, target, by)),
-        Value::Object(map) => map.values_mut().for_each(|v| replace(v, target, by)),
-        _ => {}
-    }
-}
-
-fn replacement(random: &mut Random) -> Value {
-    match random.below(12) {
-        0..4 => (random.next() % 12).into(),
-        4 => u64::MAX.into(),
-        5 => (1_u64 << random.below(64)).into(),
-        6 => (-1).into(),
-        7 => Value::from([1e38, -1e38, 1e-30, 0.5][random.below(4)]),
-        8 => [5120, 5121, 5122, 5123, 5125, 5126][random.below(6)].into(),
-        9 => Value::from(["SCALAR", "VEC2", "VEC3", "MAT4", "", "spot", "BLEND"][random.below(7)]),
-        10 => Value::Null,
-        _ => Value::Array(Vec::new()),
-    }
 }
 
 #[test]

@@ -1,5 +1,9 @@
 //! Reading glTF: what files mean, and what happens to broken and hostile ones.
 
+#[path = "../common/glb.rs"]
+mod builder;
+#[path = "../common/damage.rs"]
+mod damage;
 mod features;
 mod fuzz;
 mod glb;
