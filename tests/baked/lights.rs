@@ -155,3 +155,38 @@ fn suns_below_a_roof_stay_out() {
         assert!(picture.mean() < 2.0, "sunlight comes through the roof at {t}: {}", picture.mean());
     }
 }
+
+/// The sun behind a single-sided wall lights nothing in front of it, unless that is asked for.
+#[test]
+fn backs_of_walls_cast_shadows() {
+    let (folder, mut manifest) = Folder::square("backs", &[("noon", Vec3::ZERO)]);
+    let mut sun = light("sun", None, LightKind::Directional, 1.0);
+    sun.intensity = [10.0; 3];
+    sun.direction = Vec3::new(0.0, -0.9, 0.43).normalize().to_array();
+    manifest.scenarios[0].lights = vec![sun];
+    folder.manifest(&manifest);
+    let mut stage = Stage::new(&folder);
+    let root = stage.lit();
+    // A board that is no part of the bake, turned up to the sun and to the camera.
+    let mesh = stage.world().resource_mut::<Assets<Mesh>>().add(Rectangle::new(1.0, 1.0));
+    let material = stage.world().resource_mut::<Assets<StandardMaterial>>().add(Color::WHITE);
+    let board = Transform::from_xyz(0.0, -0.3, 0.5).with_rotation(Quat::from_rotation_x(-0.8));
+    stage.world().spawn((Mesh3d(mesh), MeshMaterial3d(material), board));
+    for solid_backs in [true, false, true] {
+        stage.lighting(root).solid_backs = solid_backs;
+        for _ in 0..4 {
+            stage.update();
+        }
+        stage.until_lit(root);
+        let picture = stage.picture();
+        let [board, ..] = picture.pixels[(42 * picture.width + 32) as usize];
+        assert_eq!(board < 3, solid_backs, "{board}");
+        let world = stage.world();
+        let twins = world.query_filtered::<(), (With<BakedPart>, With<Mesh3d>)>();
+        assert_eq!({ twins }.iter(world).count(), usize::from(solid_backs));
+    }
+    stage.world().entity_mut(root).remove::<BakedLighting>();
+    stage.update();
+    let world = stage.world();
+    assert_eq!(world.query_filtered::<(), With<BakedPart>>().iter(world).count(), 0);
+}

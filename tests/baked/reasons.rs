@@ -120,3 +120,18 @@ fn a_damaged_volume_leaves_lightmaps_lit() {
     assert!(status.left_out[0].reason.contains("noon.volume0.ktx2"), "{:?}", status.left_out);
     assert!(!stage.world().resource::<BakedStatus>().roots.is_empty());
 }
+
+#[test]
+fn a_scene_that_cannot_be_read_is_a_reason() {
+    for (test, bytes) in [("damaged_scene", Some([7; 100])), ("missing_scene", None)] {
+        let (folder, _) = Folder::square(test, &[("noon", Vec3::splat(0.4))]);
+        match bytes {
+            Some(bytes) => folder.write("room.glb", bytes),
+            None => std::fs::remove_file(folder.0.join("room.glb")).unwrap(),
+        }
+        let mut stage = Stage::new(&folder);
+        let root = stage.spawn();
+        let why = stage.failed(root);
+        assert!(why.contains("room.glb"), "{why}");
+    }
+}

@@ -11,7 +11,7 @@ use crate::{BakedManifest, ScenarioWeights};
 /// lights come when scene and manifest are there, follow the root, come again when the scene is
 /// spawned again or a file changes, and go with this component. Several roots may share a manifest,
 /// each with scenarios of its own.
-#[derive(Component, Clone, Debug, Default, Reflect)]
+#[derive(Component, Clone, Debug, Reflect)]
 #[reflect(Component, Default, Debug, Clone)]
 pub struct BakedLighting {
     /// What was baked: a file `NAME.baked.ron`.
@@ -25,6 +25,23 @@ pub struct BakedLighting {
     /// the lightmaps are missing; it costs textures of 8 bytes a texel. Manifests with several
     /// scenarios can always be.
     pub dimmable: bool,
+    /// Whether backs of single-sided lit meshes cast shadows in the lights of the bake, as they do in the
+    /// bake itself. Without it Bevy's lights shine through such walls from behind. It costs a twin of
+    /// each such mesh in shadow maps, on the render layer [`SHADOW_LAYER`](crate::SHADOW_LAYER).
+    /// Default: true.
+    pub solid_backs: bool,
+}
+
+impl Default for BakedLighting {
+    fn default() -> Self {
+        Self {
+            manifest: Handle::default(),
+            scenarios: ScenarioWeights::default(),
+            bicubic: false,
+            dimmable: false,
+            solid_backs: true,
+        }
+    }
 }
 
 impl BakedLighting {
@@ -45,7 +62,8 @@ pub struct BakedScene(
     pub String,
 );
 
-/// On what this plugin spawns below a root: probe volumes and the lights that a bake added.
+/// On what this plugin spawns below a root: probe volumes, the lights that a bake added, and twins of
+/// meshes that cast the shadows of their backs.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, Clone)]
 pub struct BakedPart;

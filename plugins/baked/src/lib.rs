@@ -29,6 +29,8 @@
 //! | lights of the file | intensity, range and radius as baked, `affects_lightmapped_mesh_diffuse` off where lightmaps hold their direct light |
 //! | lights that the bake added | child entities with lights that cast shadows |
 //!
+//! Backs of single-sided lit meshes cast shadows in all these lights ([`BakedLighting::solid_backs`]).
+//!
 //! A light whose direct light is baked still lights what has no lightmap, and still shines on
 //! lightmapped surfaces (their specular reflection). All children carry [`BakedPart`].
 //!
@@ -63,8 +65,8 @@
 //! # Limits
 //! - What moves casts no shadow of a baked light onto lightmapped surfaces: bake such a light with
 //!   `direct: Realtime`.
-//! - Bevy's shadow maps leave out the backs of single-sided materials. A sun outside then shines through walls
-//!   that face the inside, onto what moves and as a reflection on floors: make them double-sided or thick.
+//! - Bevy's shadow maps leave out the backs of single-sided materials. Lights of a bake see twins of such walls
+//!   ([`SHADOW_LAYER`]); a game's own sun shines through them.
 //! - On the web Bevy has no irradiance volumes.
 //! - Changes of `bicubic`, of lightmaps' places by another bake, and the first dimming of a single scenario
 //!   that is not `dimmable` cost a frame without lightmaps: Bevy takes a lightmap's place only once.
@@ -73,6 +75,7 @@
 //! Bevy's: lumens, lux, cd/m². Texels and voxels hold E / π in cd/m² for
 //! `StandardMaterial::lightmap_exposure` 1.
 
+mod backs;
 mod blend;
 mod components;
 mod find;
@@ -87,6 +90,7 @@ mod textures;
 mod update;
 mod volumes;
 
+pub use backs::SHADOW_LAYER;
 pub use blend::twin;
 pub use components::{BakedLighting, BakedPart, BakedScene};
 pub use manifest::{BakedManifest, BakedManifestError};

@@ -2,13 +2,16 @@
 
 use std::{collections::BTreeMap, f32::consts::PI};
 
-use bevy::{ecs::system::SystemParam, platform::collections::HashMap, prelude::*};
+use bevy::{
+    camera::visibility::RenderLayers, ecs::system::SystemParam, platform::collections::HashMap,
+    prelude::*,
+};
 use farlight_baked_format::{
     Manifest,
     manifest::{Direct, Light, LightKind},
 };
 
-use crate::BakedPart;
+use crate::{BakedPart, backs::seeing_backs};
 
 /// Distance in metres at which a light ends whose manifest names none.
 const FAR: f32 = 1000.0;
@@ -107,10 +110,27 @@ pub(crate) struct LightQueries<'w, 's> {
     point: Query<'w, 's, &'static mut PointLight>,
     spot: Query<'w, 's, &'static mut SpotLight>,
     sun: Query<'w, 's, &'static mut DirectionalLight>,
+    layers: Query<'w, 's, Option<&'static RenderLayers>>,
 }
 
-/// A light component as it was in the file.
-pub(crate) enum Original {
+/// Sets fields of a component from variables of their names. A component that is so already is not
+/// touched.
+macro_rules! set {
+    ($component:ident: $($field:ident),+) => {
+        if $($component.$field != $field)||+ {
+            $($component.$field = $field;)+
+        }
+    };
+}
+
+/// A light of the file as it was.
+struct Original {
+    component: Component,
+    layers: Option<RenderLayers>,
+}
+
+/// Its component.
+enum Component {
     Point(PointLight),
     Spot(SpotLight),
     Sun(DirectionalLight),
@@ -143,7 +163,11 @@ impl Lights {
         let mut known = std::mem::take(&mut self.own);
         for (node, shine) in &plan.own {
             for &entity in self.found.get(node).into_iter().flatten() {
-                let original = known.remove(&entity).or_else(|| queries.original(entity));
+                let original = known.remove(&entity).or_else(|| {
+                    let original = queries.original(entity)?;
+                    commands.entity(entity).try_insert(seeing_backs(original.layers.as_ref()));
+                    Some(original)
+                });
                 if let Some(original) = original {
                     queries.shine(entity, shine);
                     self.own.insert(entity, original);
@@ -151,7 +175,7 @@ impl Lights {
             }
         }
         for (entity, original) in known {
-            queries.restore(entity, original);
+            queries.restore(entity, original, commands);
         }
 
         if anew || self.added.len() != plan.added.len() {
@@ -175,106 +199,67 @@ impl Lights {
     pub(crate) fn remove(mut self, commands: &mut Commands, queries: &mut LightQueries) {
         self.despawn(commands);
         for (entity, original) in self.own {
-            queries.restore(entity, original);
+            queries.restore(entity, original, commands);
         }
     }
 }
 
 impl LightQueries<'_, '_> {
     fn original(&self, entity: Entity) -> Option<Original> {
-        if let Ok(light) = self.point.get(entity) {
-            return Some(Original::Point(*light));
-        }
-        if let Ok(light) = self.spot.get(entity) {
-            return Some(Original::Spot(*light));
-        }
-        self.sun.get(entity).ok().map(|light| Original::Sun(*light))
+        let layers = self.layers.get(entity).ok()?.cloned();
+        let component = if let Ok(light) = self.point.get(entity) {
+            Component::Point(*light)
+        } else if let Ok(light) = self.spot.get(entity) {
+            Component::Spot(*light)
+        } else {
+            Component::Sun(*self.sun.get(entity).ok()?)
+        };
+        Some(Original { component, layers })
     }
 
-    /// Gives a light its intensity and says whether lightmaps hold its direct light. Components that
-    /// are so already are not touched.
+    /// Gives a light its intensity and says whether lightmaps hold its direct light.
     fn shine(&mut self, entity: Entity, shine: &Shine) {
         let (color, most) = shine.colour();
-        let realtime = !shine.baked;
+        let (intensity, range, radius) = (most * 4.0 * PI, shine.range(), shine.light.radius);
+        let affects_lightmapped_mesh_diffuse = !shine.baked;
         if let Ok(mut light) = self.point.get_mut(entity) {
-            let (intensity, range) = (most * 4.0 * PI, shine.range());
-            if light.intensity != intensity
-                || light.color != color
-                || light.range != range
-                || light.radius != shine.light.radius
-                || light.affects_lightmapped_mesh_diffuse != realtime
-            {
-                light.intensity = intensity;
-                light.color = color;
-                light.range = range;
-                light.radius = shine.light.radius;
-                light.affects_lightmapped_mesh_diffuse = realtime;
-            }
+            set!(light: color, intensity, range, radius, affects_lightmapped_mesh_diffuse);
         }
         if let Ok(mut light) = self.spot.get_mut(entity) {
-            let (intensity, range) = (most * 4.0 * PI, shine.range());
-            if light.intensity != intensity
-                || light.color != color
-                || light.range != range
-                || light.radius != shine.light.radius
-                || light.affects_lightmapped_mesh_diffuse != realtime
-            {
-                light.intensity = intensity;
-                light.color = color;
-                light.range = range;
-                light.radius = shine.light.radius;
-                light.affects_lightmapped_mesh_diffuse = realtime;
-            }
+            set!(light: color, intensity, range, radius, affects_lightmapped_mesh_diffuse);
         }
-        if let Ok(mut light) = self.sun.get_mut(entity)
-            && (light.illuminance != most
-                || light.color != color
-                || light.affects_lightmapped_mesh_diffuse != realtime)
-        {
-            light.illuminance = most;
-            light.color = color;
-            light.affects_lightmapped_mesh_diffuse = realtime;
+        if let Ok(mut light) = self.sun.get_mut(entity) {
+            let illuminance = most;
+            set!(light: color, illuminance, affects_lightmapped_mesh_diffuse);
         }
     }
 
     /// A light that doesn't shine costs no shadow map. (It isn't hidden instead: a directional light of
     /// Bevy 0.19.1 that was hidden and is shown again has lost its shadows.)
-    fn cast_shadows(&mut self, entity: Entity, on: bool) {
-        if let Ok(mut light) = self.point.get_mut(entity)
-            && light.shadow_maps_enabled != on
-        {
-            light.shadow_maps_enabled = on;
+    fn cast_shadows(&mut self, entity: Entity, shadow_maps_enabled: bool) {
+        if let Ok(mut light) = self.point.get_mut(entity) {
+            set!(light: shadow_maps_enabled);
         }
-        if let Ok(mut light) = self.spot.get_mut(entity)
-            && light.shadow_maps_enabled != on
-        {
-            light.shadow_maps_enabled = on;
+        if let Ok(mut light) = self.spot.get_mut(entity) {
+            set!(light: shadow_maps_enabled);
         }
-        if let Ok(mut light) = self.sun.get_mut(entity)
-            && light.shadow_maps_enabled != on
-        {
-            light.shadow_maps_enabled = on;
+        if let Ok(mut light) = self.sun.get_mut(entity) {
+            set!(light: shadow_maps_enabled);
         }
     }
 
-    fn restore(&mut self, entity: Entity, original: Original) {
-        match original {
-            Original::Point(light) => {
-                if let Ok(mut now) = self.point.get_mut(entity) {
-                    *now = light;
-                }
-            }
-            Original::Spot(light) => {
-                if let Ok(mut now) = self.spot.get_mut(entity) {
-                    *now = light;
-                }
-            }
-            Original::Sun(light) => {
-                if let Ok(mut now) = self.sun.get_mut(entity) {
-                    *now = light;
-                }
-            }
+    fn restore(&mut self, entity: Entity, original: Original, commands: &mut Commands) {
+        match original.component {
+            Component::Point(light) => self.point.get_mut(entity).map(|mut now| *now = light),
+            Component::Spot(light) => self.spot.get_mut(entity).map(|mut now| *now = light),
+            Component::Sun(light) => self.sun.get_mut(entity).map(|mut now| *now = light),
         }
+        // It may be gone.
+        .unwrap_or_default();
+        match original.layers {
+            Some(layers) => commands.entity(entity).try_insert(layers),
+            None => commands.entity(entity).try_remove::<RenderLayers>(),
+        };
     }
 }
 
@@ -284,7 +269,13 @@ fn spawn(shine: &Shine, root: Entity, commands: &mut Commands) -> Entity {
     let (color, most) = shine.colour();
     let (intensity, range, radius) = (most * 4.0 * PI, shine.range(), shine.light.radius);
     let name = if shine.light.name.is_empty() { "baked light" } else { &shine.light.name };
-    let common = (BakedPart, Name::new(name.to_owned()), shine.transform(), ChildOf(root));
+    let common = (
+        BakedPart,
+        Name::new(name.to_owned()),
+        shine.transform(),
+        seeing_backs(None),
+        ChildOf(root),
+    );
     let affects_lightmapped_mesh_diffuse = !shine.baked;
     let mut entity = commands.spawn(common);
     match shine.light.kind {

@@ -7,7 +7,7 @@ use bevy::{
 use farlight_core::{FarlightCorePlugin, LightmapSystems};
 
 use crate::{
-    BakedLighting, BakedManifest, BakedPart, BakedScene, BakedStatus, Blending, blend,
+    BakedLighting, BakedManifest, BakedPart, BakedScene, BakedStatus, Blending, backs, blend,
     manifest::BakedManifestLoader,
     root::Fingerprints,
     scene,
@@ -60,7 +60,7 @@ impl Plugin for BakedPlugin {
         .add_systems(PreUpdate, (scene::load, scene::spawn).chain())
         .add_systems(
             PostUpdate,
-            (update::notice, update::update).chain().in_set(BakedSystems::Apply),
+            (update::notice, update::update, backs::cast).chain().in_set(BakedSystems::Apply),
         );
     }
 

@@ -13,8 +13,8 @@ use farlight_baked_format::{Fingerprint, manifest::Receiver};
 use farlight_core::{BakedSurface, LeftOut};
 
 use crate::{
-    BakedLighting, BakedManifest, BakedState, find::Found, lights::Lights, status::BakedRoot,
-    textures::Textures,
+    BakedLighting, BakedManifest, BakedState, backs::SolidBack, find::Found, lights::Lights,
+    status::BakedRoot, textures::Textures,
 };
 
 /// Frames for which a lightmap of somebody else may be there who takes it away because of ours.
@@ -29,8 +29,8 @@ pub(crate) struct Root {
     pub(crate) reloaded: bool,
     /// Scenarios may have other weights.
     pub(crate) reweighed: bool,
-    /// What else [`BakedLighting`] says: manifest, bicubic, dimmable.
-    pub(crate) options: (AssetId<BakedManifest>, bool, bool),
+    /// What else [`BakedLighting`] says: manifest, bicubic, dimmable, solid backs.
+    pub(crate) options: (AssetId<BakedManifest>, [bool; 3]),
     pub(crate) weights: Vec<f32>,
     pub(crate) textures: Option<Textures>,
     pub(crate) lights: Lights,
@@ -47,6 +47,7 @@ pub(crate) struct Place {
     image: Handle<Image>,
     rect: Rect,
     bicubic: bool,
+    solid_back: bool,
 }
 
 struct Coming {
@@ -68,7 +69,7 @@ impl Root {
             dirty: true,
             reloaded: true,
             reweighed: false,
-            options: (AssetId::default(), false, false),
+            options: (AssetId::default(), [false; 3]),
             looked: false,
             weights: Vec::new(),
             textures: None,
@@ -126,6 +127,7 @@ impl Root {
                             image: page.image.clone(),
                             rect: uv_rect(receiver.rect, manifest.page_size),
                             bicubic: lighting.bicubic,
+                            solid_back: lighting.solid_backs,
                         }),
                     })
                     .and_then(|place| prints.check(mesh, mesh_data, receiver.uv).map(|()| place));
@@ -234,12 +236,15 @@ impl Root {
                 coming.frames = 1;
                 return true;
             }
-            let Place { image, rect, bicubic } = coming.place.clone();
+            let Place { image, rect, bicubic, solid_back } = coming.place.clone();
             commands.entity(entity).try_insert(Lightmap {
                 image,
                 uv_rect: rect,
                 bicubic_sampling: bicubic,
             });
+            if solid_back {
+                commands.entity(entity).try_insert(SolidBack::default());
+            }
             if let Some(mut material) = material {
                 material.set_changed();
             }
@@ -281,7 +286,7 @@ fn unlight(entity: Entity, again: bool, commands: &mut Commands, materials: &mut
             material.set_changed();
         }
         let mut entity = commands.entity(entity);
-        entity.try_remove::<Lightmap>();
+        entity.try_remove::<(Lightmap, SolidBack)>();
         if !again {
             entity.try_remove::<BakedSurface>();
         }

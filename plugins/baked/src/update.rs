@@ -1,11 +1,12 @@
 //! The systems: what changed, and what follows from it.
 
 use bevy::{
-    asset::LoadState,
+    asset::{AssetLoadError, LoadState},
     ecs::{entity::EntityHashMap, system::SystemParam},
     gltf::GltfExtras,
     pbr::Lightmap,
     prelude::*,
+    world_serialization::WorldAssetRoot,
 };
 use farlight_core::{LeftOut, LightingChanged, TextureUploads};
 
@@ -41,7 +42,8 @@ pub(crate) fn notice(
     for (entity, lighting) in &changed {
         let root = roots.entry(entity).or_insert_with(|| Root::new(entity));
         root.reweighed = true;
-        let options = (lighting.manifest.id(), lighting.bicubic, lighting.dimmable);
+        let options =
+            (lighting.manifest.id(), [lighting.bicubic, lighting.dimmable, lighting.solid_backs]);
         root.dirty |= root.options != options;
         root.reloaded |= root.options.0 != options.0;
         root.options = options;
@@ -96,7 +98,24 @@ pub(crate) struct Sources<'w, 's> {
     meshes: Res<'w, Assets<Mesh>>,
     images: ResMut<'w, Assets<Image>>,
     server: Res<'w, AssetServer>,
+    scenes: Query<'w, 's, &'static WorldAssetRoot>,
     tree: Tree<'w, 's>,
+}
+
+impl Sources<'_, '_> {
+    /// Why the scene of a root will never come, if so.
+    fn scene_problem(&self, root: Entity) -> Option<String> {
+        let scene = self.scenes.get(root).ok()?;
+        match self.server.get_load_state(scene.0.id()) {
+            Some(LoadState::Failed(error)) => Some(first_line(&error)),
+            _ => None,
+        }
+    }
+}
+
+/// What follows it in errors of assets is where in the engine they happened.
+fn first_line(error: &AssetLoadError) -> String {
+    error.to_string().lines().next().unwrap_or_default().to_owned()
 }
 
 /// Lights what must be.
@@ -142,6 +161,12 @@ pub(crate) fn update(
         if std::mem::take(&mut root.dirty) {
             another = true;
             todo.look(root, &mut prints, &mut materials);
+        }
+        if root.status.state == BakedState::Loading
+            && let Some(problem) = todo.sources.scene_problem(entity)
+        {
+            another = true;
+            root.fail(problem);
         }
         let waiting = root.textures.as_ref().is_some_and(|textures| textures.are_waiting(&blends));
         if root.is_arriving() && !waiting {
@@ -215,10 +240,7 @@ impl Todo<'_, '_, '_, '_, '_, '_, '_> {
         let id = lighting.manifest.id();
         let Some(manifest) = sources.manifests.get(id) else {
             return match sources.server.get_load_state(id) {
-                // What follows is where in the engine it happened.
-                Some(LoadState::Failed(error)) => {
-                    root.fail(error.to_string().lines().next().unwrap_or_default().to_owned());
-                }
+                Some(LoadState::Failed(error)) => root.fail(first_line(&error)),
                 _ => root.wait(),
             };
         };

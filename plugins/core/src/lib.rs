@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`DerivedLight`] | lights that a plugin made; no plugin reads them as lights of the scene |
 //! | [`BakedSurface`] | meshes whose light was computed before |
+//! | [`ShadowProxy`] | meshes that only cast shadows, for others |
 //! | [`field`] | what settings say of their fields, for panels |
 //! | [`DiffuseReflectance`] | what surfaces reflect whose material lighting does not know |
 //! | [`LightingChanged`] | solved light on surfaces has become another |
@@ -34,7 +35,9 @@ pub use ron_asset::{FieldProblem, RonError, RonLoader, RonPlugin, RonSettings, p
 pub use shaders::shader_path;
 pub use sky::{DirectSky, SkyRadiance, SkySource, SkyTaken};
 pub use status::{LeftOut, TimeStats, TimeWindow};
-pub use surface::{BakedSurface, DiffuseReflectance, LightingChanged, LightmapSystems};
+pub use surface::{
+    BakedSurface, DiffuseReflectance, LightingChanged, LightmapSystems, ShadowProxy,
+};
 pub use upload::{Region, RegionProblem, TextureUploads, Ticket, UploadProgress};
 
 /// Registers the shared types, the shader modules and the texture uploader. Add it after the engine's

@@ -28,6 +28,11 @@ pub struct DiffuseReflectance {
 #[reflect(Component, Default, Debug, Clone)]
 pub struct BakedSurface;
 
+/// On meshes that only cast shadows, for others: no surface that is lit, nor one that light is computed for.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Debug, Clone)]
+pub struct ShadowProxy;
+
 /// Sent in every frame in which solved light on surfaces becomes another one that no component shows:
 /// texels of lightmaps or of probe volumes are written on the GPU, or light is switched off and on.
 ///
@@ -54,6 +59,7 @@ pub enum LightmapSystems {
 pub(crate) fn build(app: &mut App) {
     app.register_type::<DiffuseReflectance>()
         .register_type::<BakedSurface>()
+        .register_type::<ShadowProxy>()
         .add_message::<LightingChanged>()
         .configure_sets(PostUpdate, (LightmapSystems::Change, LightmapSystems::Notice).chain());
 }

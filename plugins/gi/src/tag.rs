@@ -1,6 +1,7 @@
 //! From tags on roots to a marker on each mesh.
 
 use bevy::{ecs::entity::EntityHashSet, prelude::*};
+use farlight_core::ShadowProxy;
 
 use crate::{GiDynamic, GiScene, GiStatic, view::GiTwin};
 
@@ -17,7 +18,7 @@ pub(crate) fn propagate_tags(
     ),
     tags: Query<(Has<GiScene>, Has<GiDynamic>, Option<&ChildOf>)>,
     children: Query<&Children>,
-    meshes: Query<Has<GiStatic>, (With<Mesh3d>, Without<GiTwin>)>,
+    meshes: Query<Has<GiStatic>, (With<Mesh3d>, Without<GiTwin>, Without<ShadowProxy>)>,
     mut done: Local<EntityHashSet>,
     mut below: Local<Vec<(Entity, bool)>>,
 ) {
