@@ -59,20 +59,23 @@ fn inputs_that_can_not_be_baked() {
 
     let lights = |text: &str| folder.write("l.ron", text).to_str().unwrap().to_owned();
     for (text, expected) in [
-        ("BakeLights(add: [(name: \"a\", intensity: (NaN, 0, 0))])", "l.ron: add[0].intensity: "),
+        (
+            "BakeLights(add: [(name: \"a\", intensity: (NaN, 0, 0))])",
+            "l.ron:1:30: add[0].intensity: ",
+        ),
         ("BakeLights(\n  lamps: [],\n)", "l.ron:2:"),
         ("BakeLights(realtime: [\"Torch\"])", "there are \"point0\""),
         (
             "BakeLights(add: [(name: \"point0\")])",
-            "l.ron: add[0].name: the scene has a light \"point0\" already",
+            "l.ron:1:18: add[0].name: the scene has a light \"point0\" already",
         ),
         (
             "BakeLights(scenarios: [(name: \"a\", lights: [\"sun\"])])",
-            "l.ron: scenarios[0].lights: there is no such light \"sun\"",
+            "l.ron:1:36: scenarios[0].lights: there is no such light \"sun\"",
         ),
         (
             "BakeLights(scenarios: [(name: \"a\", emission: {\"shade\": 0})])",
-            "l.ron: scenarios[0].emission: the scene has no material \"shade\"",
+            "l.ron:1:36: scenarios[0].emission: the scene has no material \"shade\"",
         ),
         ("BakeLights(scenarios: [(name: \"a\", sky: Image(file: \"noon.hdr\"))])", "noon.hdr"),
     ] {
