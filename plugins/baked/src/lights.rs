@@ -3,12 +3,15 @@
 use std::{collections::BTreeMap, f32::consts::PI};
 
 use bevy::{
-    camera::visibility::RenderLayers, ecs::system::SystemParam, platform::collections::HashMap,
+    camera::visibility::RenderLayers,
+    ecs::system::SystemParam,
+    light::{CascadeShadowConfig, CascadeShadowConfigBuilder},
+    platform::collections::HashMap,
     prelude::*,
 };
 use farlight_baked_format::{
     Manifest,
-    manifest::{Direct, Light, LightKind},
+    manifest::{Direct, Light, LightKind, Volume},
 };
 
 use crate::{BakedPart, backs::seeing_backs};
@@ -23,6 +26,8 @@ pub(crate) struct Plan<'m> {
     pub(crate) own: BTreeMap<u32, Shine<'m>>,
     /// Lights to spawn: one for each that differs in more than its intensity.
     pub(crate) added: Vec<Shine<'m>>,
+    /// The largest box of probes from corner to corner, in metres; 0 if there is none.
+    size: f32,
 }
 
 /// One light.
@@ -38,7 +43,8 @@ pub(crate) struct Shine<'m> {
 impl<'m> Plan<'m> {
     /// Adds the lights of all scenarios, each by its weight.
     pub(crate) fn new(manifest: &'m Manifest, weights: &[f32]) -> Self {
-        let mut plan = Self::default();
+        let size = manifest.volumes.iter().map(diagonal).fold(0.0, f32::max);
+        let mut plan = Self { size, ..Self::default() };
         for (scenario, &weight) in manifest.scenarios.iter().zip(weights) {
             for light in &scenario.lights {
                 let intensity = Vec3::from(light.intensity) * weight;
@@ -180,7 +186,8 @@ impl Lights {
 
         if anew || self.added.len() != plan.added.len() {
             self.despawn(commands);
-            self.added.extend(plan.added.iter().map(|shine| spawn(shine, root, commands)));
+            self.added
+                .extend(plan.added.iter().map(|shine| spawn(shine, plan.size, root, commands)));
             return;
         }
         for (&entity, shine) in self.added.iter().zip(&plan.added) {
@@ -265,7 +272,7 @@ impl LightQueries<'_, '_> {
 
 /// A light that the bake added, below the root. It casts shadows: objects without a lightmap, and
 /// what shines on lightmapped ones, are lit by it too.
-fn spawn(shine: &Shine, root: Entity, commands: &mut Commands) -> Entity {
+fn spawn(shine: &Shine, size: f32, root: Entity, commands: &mut Commands) -> Entity {
     let (color, most) = shine.colour();
     let (intensity, range, radius) = (most * 4.0 * PI, shine.range(), shine.light.radius);
     let name = if shine.light.name.is_empty() { "baked light" } else { &shine.light.name };
@@ -299,15 +306,36 @@ fn spawn(shine: &Shine, root: Entity, commands: &mut Commands) -> Entity {
             affects_lightmapped_mesh_diffuse,
             ..default()
         }),
-        LightKind::Directional => entity.insert(DirectionalLight {
-            color,
-            illuminance: most,
-            shadow_maps_enabled: shine.is_on(),
-            affects_lightmapped_mesh_diffuse,
-            ..default()
-        }),
+        LightKind::Directional => entity.insert((
+            DirectionalLight {
+                color,
+                illuminance: most,
+                shadow_maps_enabled: shine.is_on(),
+                affects_lightmapped_mesh_diffuse,
+                ..default()
+            },
+            cascades(size),
+        )),
     };
     entity.id()
+}
+
+/// Shadow maps for a scene of `size` metres from corner to corner: Bevy's are for landscapes of 150 m, and
+/// let sunlight of a width of some centimetres into the corners of rooms.
+fn cascades(size: f32) -> CascadeShadowConfig {
+    let landscape = CascadeShadowConfigBuilder::default();
+    if size <= 0.0 {
+        return landscape.build();
+    }
+    // Also somebody who looks in from outside sees shadows.
+    let maximum_distance = (size * 3.0).clamp(4.0, landscape.maximum_distance);
+    let first_cascade_far_bound = (size / 4.0).clamp(1.0, landscape.first_cascade_far_bound);
+    CascadeShadowConfigBuilder { maximum_distance, first_cascade_far_bound, ..landscape }.build()
+}
+
+fn diagonal(volume: &Volume) -> f32 {
+    let [x, y, z, _] = volume.transform.map(Vec3::from);
+    Vec3::new(x.length(), y.length(), z.length()).length()
 }
 
 #[cfg(test)]
