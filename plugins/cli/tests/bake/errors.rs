@@ -67,7 +67,7 @@ fn inputs_that_can_not_be_baked() {
         ("BakeLights(realtime: [\"Torch\"])", "there are \"point0\""),
         (
             "BakeLights(add: [(name: \"point0\")])",
-            "l.ron:1:18: add[0].name: the scene has a light \"point0\" already",
+            "l.ron:1:19: add[0].name: the scene has a light \"point0\" already",
         ),
         (
             "BakeLights(scenarios: [(name: \"a\", lights: [\"sun\"])])",

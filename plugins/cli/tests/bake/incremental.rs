@@ -86,6 +86,22 @@ fn more_samples_go_on_from_there() {
     assert_eq!(["gather-", "direct-", "done-", "last-", "probes-"].map(kept), [1; 5]);
 }
 
+/// Which files are written and whether noise is filtered are no questions of light.
+#[test]
+fn what_needs_no_new_light_computes_none() {
+    let folder = Folder::new("bake-same-light");
+    let out = folder.at("out");
+    let computed =
+        |said: &str| said.contains("light between surfaces") || said.contains("indirect light");
+    let said = baked(&out, &QUICK);
+    assert!(computed(&said), "{said}");
+    for more in [&["--no-exr"][..], &["--no-exr", "--no-denoise"]] {
+        let said = baked(&out, &with(&QUICK, more));
+        assert!(!computed(&said), "{said}");
+    }
+    assert_eq!(contents(&out).len(), 4);
+}
+
 #[test]
 fn a_changed_scenario_leaves_the_others_alone() {
     let folder = Folder::new("bake-scenarios");

@@ -160,7 +160,7 @@ fn main() {
     let cpu = cpu_seconds();
     timed("gather", || gatherer.pass(&mut gathered, rays, no_progress()));
     println!("{:.2} us a ray", (cpu_seconds() - cpu) * 1e6 / f64::from(rays) / layout.len() as f64);
-    println!("estimated error          {:.2} %", gatherer.relative_error(&gathered) * 100.0);
+    println!("estimated error          {:.2} %", gathered.relative_error(&layout) * 100.0);
 
     let times = a.number("--times", 0.0) as u32;
     let brightest =

@@ -1,6 +1,9 @@
 //! The light of one scenario.
 
-use std::time::{Duration, Instant};
+use std::{
+    cell::OnceCell,
+    time::{Duration, Instant},
+};
 
 use farlight_baked_format::{
     Fingerprint, exr, ktx2,
@@ -29,6 +32,10 @@ use crate::{
 
 /// Rays of a pass, over all texels: a few seconds of work at most, so that stopping loses little.
 const PASS: usize = 8_000_000;
+
+/// Gives what gathers light: it is made when it is first needed, for some changes (which files are written, whether
+/// noise is filtered) need no new light. `None` if it was stopped.
+type Prepare<'a, 'g> = &'a dyn Fn() -> Option<&'g Gatherer<'g>>;
 
 /// What the light of one scenario is made from.
 pub(super) struct Scenario<'a> {
@@ -96,20 +103,23 @@ impl Scenario<'_> {
             bounces: self.options.bounces,
             direct_sky: DirectSky::Included,
         };
-        let gatherer = {
-            let running = self.work.begin(Stage::Exchange, &self.plan.name, 0);
-            Gatherer::new(world, layout, settings, &|_| running.tick(0))
+        let prepared = OnceCell::new();
+        let prepare = || {
+            let gatherer = prepared.get_or_init(|| {
+                let running = self.work.begin(Stage::Exchange, &self.plan.name, 0);
+                Gatherer::new(world, layout, settings, &|_| running.tick(0))
+            });
+            gatherer.as_ref()
         };
-        let Some(gatherer) = gatherer else { return Ok(None) };
-        let Some(volumes) = self.volumes(world, &gatherer)? else { return Ok(None) };
-        let (gathered, complete) = self.gather(&gatherer, end);
+        let Some(volumes) = self.volumes(world, &prepare)? else { return Ok(None) };
+        let (gathered, complete) = self.gather(&prepare, end);
         if gathered.rays == 0 {
             return Ok(None);
         }
         if self.work.outdated() {
             return Err(stopped(self.work));
         }
-        let relative_error = gatherer.relative_error(&gathered);
+        let relative_error = gathered.relative_error(layout);
         let pages = self.pages(&gathered, &direct)?;
         let record = Record { pages, volumes, rays: gathered.rays, relative_error };
         self.cache.set_record(kind::LAST, self.last_key(), &record);
@@ -232,7 +242,7 @@ impl Scenario<'_> {
 
     /// Gather passes until there are enough, or the time is up, or somebody stops the work. Returns also
     /// whether there are enough.
-    fn gather(&self, gatherer: &Gatherer<'_>, end: Option<Instant>) -> (Gathered, bool) {
+    fn gather<'g>(&self, prepare: Prepare<'_, 'g>, end: Option<Instant>) -> (Gathered, bool) {
         let layout = &self.geometry.layout;
         let most = self.options.effort.most_rays();
         let key = self.gather_key();
@@ -241,6 +251,7 @@ impl Scenario<'_> {
             .load(kind::GATHER, key)
             .and_then(|bytes| Gathered::from_bytes(layout, &bytes).ok())
             .unwrap_or_else(|| Gathered::new(layout));
+        let gatherer = if gathered.rays < most { prepare() } else { None };
         let texels = layout.len() as u64;
         let mut running = self.work.begin(Stage::Gather, &self.plan.name, texels * u64::from(most));
         if gathered.rays > 0 {
@@ -253,7 +264,9 @@ impl Scenario<'_> {
         let step = pass_size(layout.len());
         let (mut saved, mut saved_rays) = (Instant::now(), gathered.rays);
         let mut longest = Duration::ZERO;
-        while gathered.rays < most {
+        while gathered.rays < most
+            && let Some(gatherer) = gatherer
+        {
             let start = Instant::now();
             if end.is_some_and(|end| start + longest > end) && gathered.rays > 0 {
                 break;
@@ -308,10 +321,10 @@ impl Scenario<'_> {
     }
 
     /// Gathers and writes the probes. `None` if stopped.
-    fn volumes(
+    fn volumes<'g>(
         &self,
         world: &World,
-        gatherer: &Gatherer<'_>,
+        prepare: Prepare<'_, 'g>,
     ) -> Result<Option<Vec<String>>, BakeError> {
         let mut names = Vec::new();
         for (i, grid) in self.geometry.volumes.iter().enumerate() {
@@ -326,6 +339,7 @@ impl Scenario<'_> {
             }
             let paths = self.options.effort.probe_paths();
             let all = u64::from(grid.resolution.element_product()) * u64::from(paths);
+            let Some(gatherer) = prepare() else { return Ok(None) };
             let running = self.work.begin(Stage::Probes, &self.plan.name, all);
             let light = volume(world, gatherer, grid, paths, &|paths| running.tick(paths));
             let Some(light) = light else { return Ok(None) };

@@ -67,6 +67,34 @@ impl Gathered {
     pub fn difference(&self, texel: usize) -> Vec3 {
         (self.halves[0][texel] - self.halves[1][texel]) / self.rays.max(1) as f32
     }
+
+    /// Median over lit texels of the relative standard error of what was gathered, as far as the two halves
+    /// disagree: squares of their differences, the mean over each texel and its neighbours.
+    #[must_use]
+    pub fn relative_error(&self, layout: &Layout) -> f32 {
+        let of = |i: usize| luminance(self.irradiance(i));
+        let brightest = (0..layout.len()).map(of).fold(0.0, f32::max);
+        let lit = |i: usize| layout.open[i] && of(i) > brightest * DARK;
+        let mut errors: Vec<f32> = Vec::new();
+        for receiver in &layout.patches.receivers {
+            let (first, texels) = (receiver.first as usize, &receiver.texels);
+            for i in (0..texels.len()).filter(|i| lit(first + i)) {
+                let [x, y] = texels.coords[i].map(i64::from);
+                let (mut squares, mut sum, mut n) = (0.0, 0.0, 0.0);
+                for k in 0..9 {
+                    let other = texels.at(x + k % 3 - 1, y + k / 3 - 1, texels.chart[i]);
+                    let Some(other) = other.map(|o| first + o as usize).filter(|o| lit(*o)) else {
+                        continue;
+                    };
+                    squares += luminance(self.difference(other)).powi(2);
+                    sum += of(other);
+                    n += 1.0;
+                }
+                errors.push((squares / n).sqrt() * n / sum);
+            }
+        }
+        median(&mut errors).unwrap_or(0.0)
+    }
 }
 
 impl<'a> Gatherer<'a> {
@@ -158,34 +186,5 @@ impl<'a> Gatherer<'a> {
                 });
             }
         }
-    }
-
-    /// Median over lit texels of the relative standard error of what was gathered, as far as the two halves
-    /// disagree: squares of their differences, the mean over each texel and its neighbours.
-    #[must_use]
-    pub fn relative_error(&self, gathered: &Gathered) -> f32 {
-        let layout = self.field.layout;
-        let of = |i: usize| luminance(gathered.irradiance(i));
-        let brightest = (0..layout.len()).map(of).fold(0.0, f32::max);
-        let lit = |i: usize| layout.open[i] && of(i) > brightest * DARK;
-        let mut errors: Vec<f32> = Vec::new();
-        for receiver in &layout.patches.receivers {
-            let (first, texels) = (receiver.first as usize, &receiver.texels);
-            for i in (0..texels.len()).filter(|i| lit(first + i)) {
-                let [x, y] = texels.coords[i].map(i64::from);
-                let (mut squares, mut sum, mut n) = (0.0, 0.0, 0.0);
-                for k in 0..9 {
-                    let other = texels.at(x + k % 3 - 1, y + k / 3 - 1, texels.chart[i]);
-                    let Some(other) = other.map(|o| first + o as usize).filter(|o| lit(*o)) else {
-                        continue;
-                    };
-                    squares += luminance(gathered.difference(other)).powi(2);
-                    sum += of(other);
-                    n += 1.0;
-                }
-                errors.push((squares / n).sqrt() * n / sum);
-            }
-        }
-        median(&mut errors).unwrap_or(0.0)
     }
 }

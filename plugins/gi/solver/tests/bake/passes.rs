@@ -84,7 +84,7 @@ fn the_estimated_error_is_honest() {
     for rays in [32, 128] {
         let mut gathered = Gathered::new(&layout);
         gatherer.pass(&mut gathered, rays, no_progress()).unwrap();
-        let estimated = gatherer.relative_error(&gathered);
+        let estimated = gathered.relative_error(&layout);
         let mut errors: Vec<f32> = (0..layout.len())
             .filter(|&i| luminance(truth.irradiance(i)) > brightest * 1e-3)
             .map(|i| {
