@@ -1,6 +1,8 @@
 //! Which of the suite's settings the panel shows, under which titles.
 
-use std::{collections::VecDeque, time::Duration};
+#[cfg(feature = "gi")]
+use std::collections::VecDeque;
+use std::time::Duration;
 
 use bevy::{prelude::*, render::renderer::RenderAdapterInfo};
 use farlight_controls::{RebindState, Rebinding, Resolve};
