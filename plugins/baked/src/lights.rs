@@ -131,12 +131,12 @@ macro_rules! set {
 
 /// A light of the file as it was.
 struct Original {
-    component: Component,
+    component: LightComponent,
     layers: Option<RenderLayers>,
 }
 
 /// Its component.
-enum Component {
+enum LightComponent {
     Point(PointLight),
     Spot(SpotLight),
     Sun(DirectionalLight),
@@ -215,11 +215,11 @@ impl LightQueries<'_, '_> {
     fn original(&self, entity: Entity) -> Option<Original> {
         let layers = self.layers.get(entity).ok()?.cloned();
         let component = if let Ok(light) = self.point.get(entity) {
-            Component::Point(*light)
+            LightComponent::Point(*light)
         } else if let Ok(light) = self.spot.get(entity) {
-            Component::Spot(*light)
+            LightComponent::Spot(*light)
         } else {
-            Component::Sun(*self.sun.get(entity).ok()?)
+            LightComponent::Sun(*self.sun.get(entity).ok()?)
         };
         Some(Original { component, layers })
     }
@@ -256,13 +256,12 @@ impl LightQueries<'_, '_> {
     }
 
     fn restore(&mut self, entity: Entity, original: Original, commands: &mut Commands) {
-        match original.component {
-            Component::Point(light) => self.point.get_mut(entity).map(|mut now| *now = light),
-            Component::Spot(light) => self.spot.get_mut(entity).map(|mut now| *now = light),
-            Component::Sun(light) => self.sun.get_mut(entity).map(|mut now| *now = light),
-        }
-        // It may be gone.
-        .unwrap_or_default();
+        // The entity may be gone, or no light any more.
+        let _ = match original.component {
+            LightComponent::Point(light) => self.point.get_mut(entity).map(|mut now| *now = light),
+            LightComponent::Spot(light) => self.spot.get_mut(entity).map(|mut now| *now = light),
+            LightComponent::Sun(light) => self.sun.get_mut(entity).map(|mut now| *now = light),
+        };
         match original.layers {
             Some(layers) => commands.entity(entity).try_insert(layers),
             None => commands.entity(entity).try_remove::<RenderLayers>(),
