@@ -25,13 +25,13 @@ pub const SHADOW_LAYER: usize = 62;
 #[derive(Component, Default)]
 #[component(on_remove = forget)]
 pub(crate) struct SolidBack {
-    /// The twin, and what it was made from.
-    twin: Option<(Entity, AssetId<Mesh>, AssetId<StandardMaterial>)>,
+    /// The twin, and the mesh and the material that it was made from.
+    twin: Option<(Entity, (AssetId<Mesh>, AssetId<StandardMaterial>))>,
 }
 
 fn forget(mut world: DeferredWorld, HookContext { entity, .. }: HookContext) {
     let twin = world.get::<SolidBack>(entity).and_then(|solid| solid.twin);
-    if let Some((twin, ..)) = twin {
+    if let Some((twin, _)) = twin {
         world.commands().entity(twin).try_despawn();
     }
 }
@@ -60,19 +60,17 @@ impl Casters {
             return None;
         }
         let culled = |original| StandardMaterial { cull_mode: Some(Face::Front), ..original };
-        match original.alpha_mode {
+        let made = match original.alpha_mode {
             AlphaMode::Opaque => {
-                let made = self.opaque.get_or_insert_with(|| materials.add(culled(default())));
-                Some(made.clone())
+                self.opaque.get_or_insert_with(|| materials.add(culled(default())))
             }
             AlphaMode::Mask(_) => {
                 let original = original.clone();
-                let made =
-                    self.cut_out.entry(id).or_insert_with(|| materials.add(culled(original)));
-                Some(made.clone())
+                self.cut_out.entry(id).or_insert_with(|| materials.add(culled(original)))
             }
-            _ => None,
-        }
+            _ => return None,
+        };
+        Some(made.clone())
     }
 }
 
@@ -88,24 +86,23 @@ pub(crate) fn cast(
 ) {
     for (entity, mesh, material, mut solid, casts_none) in &mut meshes {
         let solid = solid.bypass_change_detection();
-        let (mesh, id) = (mesh.0.clone(), material.0.id());
-        if solid.twin.is_some_and(|(_, from, with)| (from, with) == (mesh.id(), id)) {
+        let from = (mesh.id(), material.id());
+        if solid.twin.is_some_and(|(_, known)| known == from) {
             continue;
         }
-        if let Some((twin, ..)) = solid.twin.take() {
+        if let Some((twin, _)) = solid.twin.take() {
             commands.entity(twin).try_despawn();
         }
-        let caster = if casts_none { None } else { casters.of(id, &mut materials) };
+        let caster = if casts_none { None } else { casters.of(from.1, &mut materials) };
         let Some(caster) = caster else { continue };
-        let from = (mesh.id(), id);
         let twin = commands.spawn((
             BakedPart,
             ShadowProxy,
-            Mesh3d(mesh),
+            mesh.clone(),
             MeshMaterial3d(caster),
             RenderLayers::layer(SHADOW_LAYER),
             ChildOf(entity),
         ));
-        solid.twin = Some((twin.id(), from.0, from.1));
+        solid.twin = Some((twin.id(), from));
     }
 }

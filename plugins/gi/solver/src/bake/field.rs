@@ -79,10 +79,10 @@ impl<'a> Field<'a> {
     /// [`leaving`](Self::leaving) at a point of a texel, seen from `origin`.
     fn leaving_at(&self, met: &Met, origin: Vec3, before: u32, sampler: &mut PathSampler) -> Vec3 {
         let leaving = self.leaving(met.texel, before);
-        match self.unevenness(met, origin, sampler) {
-            Some(more) if leaving != Vec3::ZERO => leaving + more,
-            _ => leaving,
+        if leaving == Vec3::ZERO {
+            return leaving;
         }
+        leaving + self.unevenness(met, origin, sampler).unwrap_or_default()
     }
 
     /// By how much what leaves a point differs from what leaves its texel in the mean, for uneven texels.
